@@ -1,0 +1,60 @@
+//! The interface of a sans-I/O agent: a state machine that is told what arrives and asked what to do.
+//!
+//! An agent has no clock, socket, file, thread or random source of its own: simulated time is an
+//! argument and its seed part of its configuration. So the same agent runs in a single-process
+//! mission, behind a Zenoh session, in a test of two agents and a lost message, in a fuzzer.
+
+use crate::envelope::Envelope;
+use crate::frame::Frame;
+use crate::ids::ChannelId;
+use crate::time::SimTime;
+
+/// Something an agent wants to be sent to all others on a channel: a whole encoded envelope.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Transmit {
+    /// The radio to use.
+    pub channel: ChannelId,
+    /// The sequence number inside the envelope, which names the message's fate.
+    pub sequence: u64,
+    /// The encoded [`Envelope`].
+    pub bytes: Vec<u8>,
+}
+
+/// A sans-I/O agent of some mission.
+///
+/// Within one simulated instant the driver calls `handle_frame`, then alternates `poll_transmit`,
+/// `handle_message` and `handle_timeout` until nothing is left for that instant.
+pub trait Agent: Send {
+    /// What the agent tells its vehicle.
+    type Command;
+    /// What the agent reports to whoever observes it.
+    type Event;
+
+    /// A frame of the agent's own camera arrived.
+    fn handle_frame(&mut self, now: SimTime, frame: &Frame);
+
+    /// A message of another agent arrived. Anything may be in it: what is not valid is counted,
+    /// reported as an event and changes nothing else.
+    fn handle_message(&mut self, now: SimTime, bytes: &[u8]);
+
+    /// The instant that [`Self::poll_timeout`] named has come, and every message for it was handled.
+    fn handle_timeout(&mut self, now: SimTime);
+
+    /// The next message to send.
+    fn poll_transmit(&mut self) -> Option<Transmit>;
+
+    /// The next command to the vehicle.
+    fn poll_command(&mut self) -> Option<Self::Command>;
+
+    /// The next event to report.
+    fn poll_event(&mut self) -> Option<Self::Event>;
+
+    /// When the agent next wants [`Self::handle_timeout`], if at all.
+    fn poll_timeout(&self) -> Option<SimTime>;
+
+    /// A hash of everything the agent knows: equal digests mean equal states.
+    fn digest(&self) -> u64;
+}
+
+/// The largest message that is decoded, in bytes.
+pub const MAX_MESSAGE_BYTES: usize = Envelope::HEADER_BYTES_MAX + (4 << 20);

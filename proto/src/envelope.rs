@@ -1,0 +1,140 @@
+//! How any message travels: magic and version, who, when, from where, checksum, body.
+
+use serde::{Deserialize, Serialize};
+
+use crate::agent::MAX_MESSAGE_BYTES;
+use crate::camera::Pose;
+use crate::ids::{AgentId, ChannelId, Incarnation, RunId};
+use crate::time::{SimTime, Step};
+
+/// The first bytes of every message: "csat" and the version of the format.
+const MAGIC: [u8; 5] = *b"csat\x01";
+
+/// The header and the body of a message. The body is whatever the mission says, already encoded.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Envelope {
+    /// The run.
+    pub run: RunId,
+    /// The sender.
+    pub src: AgentId,
+    /// The sender's life.
+    pub incarnation: Incarnation,
+    /// The radio.
+    pub channel: ChannelId,
+    /// Number of the message among those of this sender, life and channel, from 0.
+    pub sequence: u64,
+    /// The sender's step.
+    pub step: Step,
+    /// The sender's simulated time.
+    pub time: SimTime,
+    /// Where the sender was.
+    pub pose: Pose,
+    /// The encoded body.
+    pub body: Vec<u8>,
+}
+
+/// Why a message was not understood.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum EnvelopeError {
+    /// Longer than any valid message.
+    #[error("message of {got} bytes, at most {max} are accepted")]
+    TooLong {
+        /// Its length.
+        got: usize,
+        /// The limit.
+        max: usize,
+    },
+    /// It does not begin with the magic and version of this format.
+    #[error("not a csat message of version {}", MAGIC[4])]
+    Magic,
+    /// The checksum does not match: damaged on the way.
+    #[error("checksum mismatch")]
+    Checksum,
+    /// The header does not decode.
+    #[error("malformed header")]
+    Malformed,
+    /// The pose is not finite.
+    #[error("pose is not finite")]
+    Pose,
+}
+
+impl Envelope {
+    /// An upper bound on what surrounds a body, in bytes.
+    pub const HEADER_BYTES_MAX: usize = 128;
+
+    /// Magic, checksum of the rest, postcard of the rest.
+    pub fn encode(&self) -> Vec<u8> {
+        let content = postcard::to_stdvec(self).expect("an envelope always serialises");
+        let mut bytes = Vec::with_capacity(MAGIC.len() + 4 + content.len());
+        bytes.extend_from_slice(&MAGIC);
+        bytes.extend_from_slice(&crc32fast::hash(&content).to_le_bytes());
+        bytes.extend_from_slice(&content);
+        bytes
+    }
+
+    /// The inverse of [`Self::encode`] for untrusted bytes.
+    pub fn decode(bytes: &[u8]) -> Result<Self, EnvelopeError> {
+        if bytes.len() > MAX_MESSAGE_BYTES {
+            return Err(EnvelopeError::TooLong { got: bytes.len(), max: MAX_MESSAGE_BYTES });
+        }
+        let rest = bytes.strip_prefix(&MAGIC).ok_or(EnvelopeError::Magic)?;
+        let (checksum, content) = rest.split_first_chunk::<4>().ok_or(EnvelopeError::Malformed)?;
+        if crc32fast::hash(content) != u32::from_le_bytes(*checksum) {
+            return Err(EnvelopeError::Checksum);
+        }
+        let envelope: Self =
+            postcard::from_bytes(content).map_err(|_| EnvelopeError::Malformed)?;
+        let Pose { p_world, yaw_rad, pitch_rad, roll_rad } = envelope.pose;
+        if !p_world.iter().chain(&[yaw_rad, pitch_rad, roll_rad]).all(|x| x.is_finite()) {
+            return Err(EnvelopeError::Pose);
+        }
+        Ok(envelope)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn envelope() -> Envelope {
+        Envelope {
+            run: RunId(7),
+            src: AgentId(2),
+            incarnation: Incarnation(1),
+            channel: ChannelId(0),
+            sequence: 99,
+            step: Step(12),
+            time: SimTime::from_seconds(6.0),
+            pose: Pose::level([1.0, 2.0, 52.0], 0.3),
+            body: vec![1, 2, 3],
+        }
+    }
+
+    #[test]
+    fn decode_inverts_encode() {
+        let bytes = envelope().encode();
+        assert!(bytes.len() <= Envelope::HEADER_BYTES_MAX + 3);
+        assert_eq!(Envelope::decode(&bytes), Ok(envelope()));
+    }
+
+    #[test]
+    fn every_single_byte_of_damage_is_noticed() {
+        let bytes = envelope().encode();
+        for position in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[position] ^= 0x40;
+            assert!(Envelope::decode(&damaged).is_err(), "byte {position}");
+        }
+        assert_eq!(Envelope::decode(&bytes[..3]), Err(EnvelopeError::Magic));
+        assert_eq!(Envelope::decode(&bytes[..7]), Err(EnvelopeError::Malformed));
+        let long = vec![0; MAX_MESSAGE_BYTES + 1];
+        assert!(matches!(Envelope::decode(&long), Err(EnvelopeError::TooLong { .. })));
+    }
+
+    #[test]
+    fn a_pose_that_is_not_finite_is_refused() {
+        let mut bad = envelope();
+        bad.pose.p_world[1] = f64::NAN;
+        assert_eq!(Envelope::decode(&bad.encode()), Err(EnvelopeError::Pose));
+    }
+}

@@ -1,0 +1,42 @@
+//! Who is who.
+
+use serde::{Deserialize, Serialize};
+
+macro_rules! id {
+    ($(#[$doc:meta])* $name:ident($inner:ty)) => {
+        $(#[$doc])*
+        #[derive(
+            Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize,
+        )]
+        #[serde(transparent)]
+        pub struct $name(pub $inner);
+
+        impl std::fmt::Display for $name {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                self.0.fmt(f)
+            }
+        }
+    };
+}
+
+id!(
+    /// One UAV of the fleet, 0-based.
+    AgentId(u16)
+);
+id!(
+    /// One target, 0-based. Agents learn of indexes only through detections.
+    TargetId(u16)
+);
+id!(
+    /// How often an agent has been restarted: 0 at the start of the run. A higher incarnation
+    /// begins with empty knowledge and a new sequence.
+    Incarnation(u32)
+);
+id!(
+    /// The run a message belongs to; messages of other runs are dropped.
+    RunId(u64)
+);
+id!(
+    /// A named radio, by its position in the scenario.
+    ChannelId(u8)
+);

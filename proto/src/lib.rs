@@ -1,0 +1,27 @@
+//! What is said: the types that the world, the agents and the links exchange.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`ids`] | who is who |
+//! | [`time`] | simulated time and steps |
+//! | [`model`] | what every party agrees on before the start: region, targets, fleet, period |
+//! | [`camera`] | the pinhole camera: rays, projection, image-to-ground homography |
+//! | [`frame`] | what a camera and its computer-vision system report |
+//! | [`region`] | planar sets on an integer grid |
+//! | [`raster`] | coarse planar sets as bit rows, for what needs no guarantee |
+//! | [`message`] | what agents of the set-membership mission say |
+//! | [`envelope`] | how any message travels: header, checksum, body |
+//! | [`agent`] | the interface of a sans-I/O agent |
+//!
+//! Frame `world`: metres, East-North-Up, origin at the centre of the region of interest.
+
+pub mod agent;
+pub mod camera;
+pub mod envelope;
+pub mod frame;
+pub mod ids;
+pub mod message;
+pub mod model;
+pub mod raster;
+pub mod region;
+pub mod time;

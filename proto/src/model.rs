@@ -1,0 +1,97 @@
+//! What every party agrees on before the start (`spec/model.md`): the region of interest, what is
+//! known of the targets, and how the fleet moves.
+
+use serde::{Deserialize, Serialize};
+
+/// The ground X_g of the region of interest: an axis-aligned rectangle centred on the origin.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Ground {
+    /// Width (east) and depth (north), in metres.
+    pub size_m: [f64; 2],
+}
+
+impl Ground {
+    /// φ(X_g) in square metres.
+    pub fn area_m2(&self) -> f64 {
+        self.size_m[0] * self.size_m[1]
+    }
+
+    /// Whether a point (world, metres) lies in X_g, border included.
+    pub fn contains(&self, p_world: [f64; 2]) -> bool {
+        (0..2).all(|axis| p_world[axis].abs() <= self.size_m[axis] / 2.0)
+    }
+}
+
+/// `[targets]`: how many cars there are, what bounds their motion and their shape.
+///
+/// Agents know everything here but `count`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TargetsModel {
+    /// N^t, the true number of targets.
+    pub count: u16,
+    /// v_max, the bound on a target's speed, in m/s.
+    pub v_max_m_s: f64,
+    /// r_s^to: a target's location is always farther than this from any obstacle, in metres (3.8).
+    pub obstacle_distance_m: f64,
+    /// r_s^tt: two targets' locations are always farther apart than this, in metres (3.11).
+    pub target_distance_m: f64,
+    /// r^t: radius of the vertical cylinder about the location that contains the shape (3.4), metres.
+    pub radius_m: f64,
+    /// h^t: height of that cylinder, metres.
+    pub cylinder_height_m: f64,
+    /// Length, width and height of a car, metres.
+    pub body_m: [f64; 3],
+}
+
+impl Default for TargetsModel {
+    fn default() -> Self {
+        Self {
+            count: 8,
+            v_max_m_s: 1.0,
+            obstacle_distance_m: 2.5,
+            target_distance_m: 8.0,
+            radius_m: 2.5,
+            cylinder_height_m: 2.0,
+            body_m: [4.6, 1.8, 1.5],
+        }
+    }
+}
+
+/// `[agents]`: the fleet and how it flies.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FleetModel {
+    /// N^u, the number of UAVs.
+    pub count: u16,
+    /// v^u, the constant horizontal speed, in m/s.
+    pub speed_m_s: f64,
+    /// Altitude of UAV 0, in metres; UAV i flies at `altitude_m + i * altitude_step_m`.
+    pub altitude_m: f64,
+    /// Difference of altitude between consecutive UAVs, in metres.
+    pub altitude_step_m: f64,
+    /// How far outside the western border the fleet starts, in metres.
+    pub start_offset_m: f64,
+    /// Settling time t_5% of the yaw response, in seconds (thesis figure 5.3).
+    pub yaw_settling_s: f64,
+}
+
+impl FleetModel {
+    /// The altitude of UAV `index`, in metres.
+    pub fn altitude_of(&self, index: u16) -> f64 {
+        self.altitude_m + f64::from(index) * self.altitude_step_m
+    }
+}
+
+impl Default for FleetModel {
+    fn default() -> Self {
+        Self {
+            count: 4,
+            speed_m_s: 5.0,
+            altitude_m: 52.0,
+            altitude_step_m: 3.0,
+            start_offset_m: 10.0,
+            yaw_settling_s: 1.2,
+        }
+    }
+}

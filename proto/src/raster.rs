@@ -1,0 +1,344 @@
+//! Coarse planar sets as bit rows, for what needs no guarantee: hidden ground, planning, metrics.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::model::Ground;
+use crate::region::{Region, metres};
+
+/// A grid of square cells over the region of interest. Row 0 is the southernmost, column 0 the
+/// westernmost.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Grid {
+    /// Side of a cell, metres.
+    pub cell_m: f64,
+    /// Number of columns (east).
+    pub columns: u32,
+    /// Number of rows (north).
+    pub rows: u32,
+}
+
+impl Grid {
+    /// The grid of cells of `cell_m` that covers `ground`; the last row and column may overhang.
+    pub fn covering(ground: &Ground, cell_m: f64) -> Self {
+        let cells = |size: f64| (size / cell_m - 1e-9).ceil().max(1.0) as u32;
+        Self { cell_m, columns: cells(ground.size_m[0]), rows: cells(ground.size_m[1]) }
+    }
+
+    /// West and south border of the grid, metres; the grid is centred on the origin.
+    pub fn origin(&self) -> [f64; 2] {
+        [
+            -0.5 * f64::from(self.columns) * self.cell_m,
+            -0.5 * f64::from(self.rows) * self.cell_m,
+        ]
+    }
+
+    /// The centre of a cell, metres.
+    pub fn centre(&self, column: u32, row: u32) -> [f64; 2] {
+        let [x, y] = self.origin();
+        [x + (f64::from(column) + 0.5) * self.cell_m, y + (f64::from(row) + 0.5) * self.cell_m]
+    }
+
+    /// The cell that contains a point, as (column, row).
+    pub fn cell_of(&self, p: [f64; 2]) -> Option<(u32, u32)> {
+        let [x, y] = self.origin();
+        let (column, row) = ((p[0] - x) / self.cell_m, (p[1] - y) / self.cell_m);
+        let inside = column >= 0.0
+            && row >= 0.0
+            && column < f64::from(self.columns)
+            && row < f64::from(self.rows);
+        inside.then_some((column as u32, row as u32))
+    }
+
+    /// The columns whose centres lie in [west, east), as a half-open range.
+    pub fn columns_between(&self, west: f64, east: f64) -> std::ops::Range<u32> {
+        half_open(west, east, self.origin()[0], self.cell_m, self.columns)
+    }
+
+    /// The rows whose centres lie in [south, north), as a half-open range.
+    pub fn rows_between(&self, south: f64, north: f64) -> std::ops::Range<u32> {
+        half_open(south, north, self.origin()[1], self.cell_m, self.rows)
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.columns as usize * self.rows as usize
+    }
+
+    /// Position of a cell in row-major order.
+    pub fn index(&self, column: u32, row: u32) -> usize {
+        row as usize * self.columns as usize + column as usize
+    }
+}
+
+fn half_open(from: f64, to: f64, origin: f64, cell_m: f64, count: u32) -> std::ops::Range<u32> {
+    let first = |x: f64| ((x - origin) / cell_m - 0.5).ceil().clamp(0.0, f64::from(count)) as u32;
+    let (start, end) = (first(from), first(to));
+    start..end.max(start)
+}
+
+/// A set of cells of a [`Grid`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster {
+    grid: Grid,
+    words_per_row: usize,
+    words: Vec<u64>,
+}
+
+impl Raster {
+    /// ∅ on `grid`.
+    pub fn empty(grid: Grid) -> Self {
+        let words_per_row = (grid.columns as usize).div_ceil(64);
+        Self { grid, words_per_row, words: vec![0; words_per_row * grid.rows as usize] }
+    }
+
+    /// The cells whose centres lie in `region`.
+    pub fn of_region(grid: Grid, region: &Region) -> Self {
+        let mut raster = Self::empty(grid);
+        raster.fill_region(region);
+        raster
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The words of one row, least significant bit westernmost.
+    pub fn row(&self, row: u32) -> &[u64] {
+        let start = row as usize * self.words_per_row;
+        &self.words[start..start + self.words_per_row]
+    }
+
+    /// The words of one row, for writing; bits past the last column must stay 0.
+    pub fn row_mut(&mut self, row: u32) -> &mut [u64] {
+        let start = row as usize * self.words_per_row;
+        &mut self.words[start..start + self.words_per_row]
+    }
+
+    /// Whether a cell is in the set.
+    pub fn get(&self, column: u32, row: u32) -> bool {
+        self.row(row)[column as usize / 64] >> (column % 64) & 1 == 1
+    }
+
+    /// Puts a cell into the set.
+    pub fn set(&mut self, column: u32, row: u32) {
+        self.row_mut(row)[column as usize / 64] |= 1 << (column % 64);
+    }
+
+    /// Takes a cell out of the set.
+    pub fn clear(&mut self, column: u32, row: u32) {
+        self.row_mut(row)[column as usize / 64] &= !(1 << (column % 64));
+    }
+
+    /// Puts a run of cells of one row into the set.
+    pub fn set_run(&mut self, row: u32, columns: std::ops::Range<u32>) {
+        let (mut start, end) = (columns.start as usize, columns.end as usize);
+        let words = self.row_mut(row);
+        while start < end {
+            let (word, bit) = (start / 64, start % 64);
+            let length = (64 - bit).min(end - start);
+            let ones = if length == 64 { u64::MAX } else { (1 << length) - 1 };
+            words[word] |= ones << bit;
+            start += length;
+        }
+    }
+
+    /// Adds the cells whose centres lie in `region`.
+    pub fn fill_region(&mut self, region: &Region) {
+        let rings: Vec<Vec<[f64; 2]>> =
+            region.rings().map(|ring| ring.iter().map(|&p| metres(p)).collect()).collect();
+        self.fill_rings(&rings);
+    }
+
+    /// Adds the cells whose centres lie inside rings given in metres, by the even-odd rule.
+    pub fn fill_rings<R: AsRef<[[f64; 2]]>>(&mut self, rings: &[R]) {
+        let mut crossings: Vec<(u32, f64)> = Vec::new();
+        for ring in rings {
+            let ring = ring.as_ref();
+            for (i, &a) in ring.iter().enumerate() {
+                let b = ring[(i + 1) % ring.len()];
+                let (low, high) = if a[1] <= b[1] { (a, b) } else { (b, a) };
+                let slope = (high[0] - low[0]) / (high[1] - low[1]);
+                for row in self.grid.rows_between(low[1], high[1]) {
+                    let y = self.grid.centre(0, row)[1];
+                    crossings.push((row, low[0] + (y - low[1]) * slope));
+                }
+            }
+        }
+        crossings.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        for pair in crossings.chunks_exact(2) {
+            let columns = self.grid.columns_between(pair[0].1, pair[1].1);
+            self.set_run(pair[0].0, columns);
+        }
+    }
+
+    /// Number of cells in the set.
+    pub fn count(&self) -> u32 {
+        self.words.iter().map(|w| w.count_ones()).sum()
+    }
+
+    /// Area of the set, square metres.
+    pub fn area_m2(&self) -> f64 {
+        f64::from(self.count()) * self.grid.cell_m * self.grid.cell_m
+    }
+
+    /// Number of cells in both sets.
+    pub fn count_common(&self, other: &Raster) -> u32 {
+        self.words.iter().zip(&other.words).map(|(a, b)| (a & b).count_ones()).sum()
+    }
+
+    /// self ∪= other.
+    pub fn union_with(&mut self, other: &Raster) {
+        self.combine(other, |a, b| a | b);
+    }
+
+    /// self ∩= other.
+    pub fn intersect_with(&mut self, other: &Raster) {
+        self.combine(other, |a, b| a & b);
+    }
+
+    /// self \= other.
+    pub fn subtract(&mut self, other: &Raster) {
+        self.combine(other, |a, b| a & !b);
+    }
+
+    fn combine(&mut self, other: &Raster, op: impl Fn(u64, u64) -> u64) {
+        debug_assert_eq!(self.grid, other.grid, "rasters of one grid");
+        for (a, b) in self.words.iter_mut().zip(&other.words) {
+            *a = op(*a, *b);
+        }
+    }
+
+    /// The cells in the set, by row and then column, as (column, row).
+    pub fn iter(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        self.words.iter().enumerate().flat_map(move |(index, &word)| {
+            let (row, first) = (index / self.words_per_row, index % self.words_per_row * 64);
+            BitIter(word).map(move |bit| (first as u32 + bit, row as u32))
+        })
+    }
+
+    /// The lengths of the runs of absent and present cells in row-major order, absent first.
+    fn runs(&self) -> Vec<u32> {
+        let mut runs = Vec::new();
+        let (mut present, mut length) = (false, 0);
+        for row in 0..self.grid.rows {
+            for column in 0..self.grid.columns {
+                if self.get(column, row) != present {
+                    runs.push(length);
+                    (present, length) = (!present, 0);
+                }
+                length += 1;
+            }
+        }
+        runs
+    }
+}
+
+struct BitIter(u64);
+
+impl Iterator for BitIter {
+    type Item = u32;
+    fn next(&mut self) -> Option<u32> {
+        (self.0 != 0).then(|| {
+            let bit = self.0.trailing_zeros();
+            self.0 &= self.0 - 1;
+            bit
+        })
+    }
+}
+
+/// The most cells a raster may have on the wire: 4096 m by 4096 m in cells of 1 m.
+const MAX_CELLS: u64 = 1 << 24;
+
+/// On the wire a raster is its grid and its run lengths.
+impl Serialize for Raster {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        (self.grid, self.runs()).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Raster {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        use serde::de::Error;
+        let (grid, runs) = <(Grid, Vec<u32>)>::deserialize(deserializer)?;
+        let cells = u64::from(grid.columns) * u64::from(grid.rows);
+        if !(grid.cell_m.is_finite() && grid.cell_m > 0.0) || cells == 0 || cells > MAX_CELLS {
+            return Err(D::Error::custom("raster grid of an impossible size"));
+        }
+        if runs.iter().map(|&r| u64::from(r)).sum::<u64>() > cells {
+            return Err(D::Error::custom("raster runs longer than the grid"));
+        }
+        let mut raster = Raster::empty(grid);
+        let mut position = 0u64;
+        for pair in runs.chunks(2) {
+            // An odd number of runs ends with present cells up to the end of the grid.
+            let start = position + u64::from(pair[0]);
+            let end = pair.get(1).map_or(cells, |&length| start + u64::from(length));
+            raster.set_linear(start, end);
+            position = end;
+        }
+        Ok(raster)
+    }
+}
+
+impl Raster {
+    fn set_linear(&mut self, mut start: u64, end: u64) {
+        let columns = u64::from(self.grid.columns);
+        while start < end {
+            let (row, column) = (start / columns, start % columns);
+            let stop = end.min((row + 1) * columns);
+            self.set_run(row as u32, column as u32..(column + stop - start) as u32);
+            start = stop;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::region::grid_point;
+
+    fn grid() -> Grid {
+        Grid::covering(&Ground { size_m: [150.0, 90.0] }, 1.0)
+    }
+
+    #[test]
+    fn a_region_fills_the_cells_whose_centres_it_contains() {
+        let ring =
+            [[-70.2, -40.0], [60.0, -33.3], [10.0, 41.0]].iter().map(|&p| grid_point(p)).collect();
+        let region = Region::from_shapes(vec![vec![ring]]);
+        let raster = Raster::of_region(grid(), &region);
+        for row in 0..90 {
+            for column in 0..150 {
+                let inside = region.contains(grid().centre(column, row));
+                assert_eq!(raster.get(column, row), inside, "cell {column} {row}");
+            }
+        }
+        assert_eq!(raster.iter().count() as u32, raster.count());
+        assert!((raster.area_m2() - region.area_m2()).abs() < 100.0);
+    }
+
+    #[test]
+    fn the_wire_keeps_every_cell() {
+        let mut raster = Raster::empty(grid());
+        raster.set_run(0, 0..70);
+        raster.set_run(44, 63..65);
+        for full_end in [false, true] {
+            if full_end {
+                raster.set_run(89, 3..150);
+            }
+            let bytes = postcard::to_stdvec(&raster).unwrap();
+            assert_eq!(postcard::from_bytes::<Raster>(&bytes).unwrap(), raster);
+        }
+    }
+
+    #[test]
+    fn impossible_grids_are_refused() {
+        for (columns, cell_m, run) in [(0, 1.0, 0), (3, f64::NAN, 0), (3, 1.0, 10), (u32::MAX, 1.0, 0)]
+        {
+            let wire = (Grid { cell_m, columns, rows: 3 }, vec![run]);
+            let bytes = postcard::to_stdvec(&wire).unwrap();
+            assert!(postcard::from_bytes::<Raster>(&bytes).is_err());
+        }
+    }
+}
