@@ -1,1 +1,6 @@
-//! TBD
+//! What one UAV knows and does: the sans-I/O agent of the set-membership mission.
+
+pub mod config;
+pub mod estimate;
+pub mod guidance;
+pub mod region;

@@ -1,0 +1,182 @@
+//! Everything an agent is told before the start.
+
+use csat_proto::camera::CameraModel;
+use csat_proto::ids::{AgentId, Incarnation, RunId};
+use csat_proto::model::{FleetModel, Ground, TargetsModel};
+use csat_proto::raster::Grid;
+use serde::{Deserialize, Serialize};
+
+/// The configuration of one agent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AgentConfig {
+    /// The run whose messages count.
+    pub run: RunId,
+    /// i.
+    pub id: AgentId,
+    /// The agent's life.
+    pub incarnation: Incarnation,
+    /// T, seconds between frames.
+    pub period_s: f64,
+    /// X_g.
+    pub ground: Ground,
+    /// What is known of the targets; `count` is not read.
+    pub targets: TargetsModel,
+    /// The fleet.
+    pub fleet: FleetModel,
+    /// The camera.
+    pub camera: CameraModel,
+    /// `[estimator]`.
+    pub estimator: EstimatorConfig,
+    /// `[guidance]`.
+    pub guidance: GuidanceConfig,
+    /// `[exchange]`.
+    pub exchange: ExchangeConfig,
+}
+
+impl AgentConfig {
+    /// The grid of the coarse sets: hidden ground and planning.
+    pub fn raster_grid(&self) -> Grid {
+        Grid::covering(&self.ground, self.estimator.raster_cell_m)
+    }
+
+    /// The grid of the occupancy-elevation map.
+    pub fn oem_grid(&self) -> Grid {
+        Grid::covering(&self.ground, self.estimator.oem_cell_m)
+    }
+}
+
+/// `[estimator]`: how sets are computed and kept small. Nothing here can break the guarantee.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct EstimatorConfig {
+    /// Corners of the regular polygons that stand for discs.
+    pub disc_vertices: u16,
+    /// Area that one simplification move may give away, square metres.
+    pub simplify_m2: f64,
+    /// The same for image outlines, square pixels.
+    pub simplify_px2: f64,
+    /// Cell of the coarse sets (hidden ground, planning), metres.
+    pub raster_cell_m: f64,
+    /// Cell of the occupancy-elevation map, metres.
+    pub oem_cell_m: f64,
+}
+
+impl Default for EstimatorConfig {
+    fn default() -> Self {
+        Self {
+            disc_vertices: 16,
+            simplify_m2: 0.05,
+            simplify_px2: 1.0,
+            raster_cell_m: 2.0,
+            oem_cell_m: 5.0,
+        }
+    }
+}
+
+/// Which cost the planner minimises (`spec/guidance.md`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Criterion {
+    /// (5.16): the whole footprint is seen; obstacles are ignored, by the estimator too.
+    Str1,
+    /// (5.21) without H^CVS.
+    Str2NoHidden,
+    /// (5.21): what is hidden now stays hidden.
+    Str2,
+    /// (5.27) and (5.32): the OEM predicts what will be hidden.
+    Str3,
+}
+
+/// Who plans when (thesis §5.3.2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Schedule {
+    /// By index, each accounting for those before it.
+    Sequential,
+    /// A second pass in which each accounts for all others.
+    SequentialLoopback,
+    /// At once, with the neighbours' last known plans.
+    Asynchronous,
+}
+
+/// `[guidance]`: the predictive controller.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct GuidanceConfig {
+    /// The cost.
+    pub criterion: Criterion,
+    /// κ, weight of recently hidden ground (5.32).
+    pub kappa: f64,
+    /// λ, weight of the distance tie-break.
+    pub lambda: f64,
+    /// N_MPC, the number of blocks of `period_s` in the horizon.
+    pub n_mpc: u8,
+    /// T_MPC, seconds between decisions.
+    pub period_s: f64,
+    /// U, the yaw increments to choose from, degrees.
+    pub increments_deg: Vec<f64>,
+    /// Who plans when.
+    pub schedule: Schedule,
+    /// How long a sequential schedule waits for silent neighbours altogether, seconds.
+    pub plan_timeout_s: f64,
+}
+
+impl Default for GuidanceConfig {
+    fn default() -> Self {
+        Self {
+            criterion: Criterion::Str3,
+            kappa: 1.0,
+            lambda: 1e-5,
+            n_mpc: 2,
+            period_s: 3.0,
+            increments_deg: vec![-60.0, -30.0, 0.0, 30.0, 60.0],
+            schedule: Schedule::SequentialLoopback,
+            plan_timeout_s: 0.4,
+        }
+    }
+}
+
+/// What agents say (`spec/links.md`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ExchangeMode {
+    /// Nothing about sets; plans are still announced.
+    #[serde(rename = "none")]
+    None,
+    /// All knowledge, every step, as the paper does.
+    #[serde(rename = "snapshot")]
+    Snapshot,
+    /// Each frame's measurements.
+    #[serde(rename = "facts")]
+    Facts,
+    /// Facts, and all knowledge every `snapshot_period_s`.
+    #[serde(rename = "facts+repair")]
+    FactsRepair,
+}
+
+/// `[exchange]`: what is said and what is believed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ExchangeConfig {
+    /// What is said.
+    pub mode: ExchangeMode,
+    /// Seconds between snapshots in `facts+repair`.
+    pub snapshot_period_s: f64,
+    /// Messages older than this are dropped, seconds.
+    pub max_age_s: f64,
+    /// Bound on the difference of two agents' clocks, seconds.
+    pub clock_skew_s: f64,
+    /// Messages with more vertices than this are dropped.
+    pub max_vertices: u32,
+}
+
+impl Default for ExchangeConfig {
+    fn default() -> Self {
+        Self {
+            mode: ExchangeMode::FactsRepair,
+            snapshot_period_s: 10.0,
+            max_age_s: 60.0,
+            clock_skew_s: 0.0,
+            max_vertices: 200_000,
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Inner approximations.
+
+use csat_proto::region::{Region, Ring};
+
+use super::simplify::{Kind, simplify_region};
+use super::sweep::eroded_path;
+use super::{Disc, RULE, overlay};
+
+/// A set that is contained in what it stands for; it may only shrink by rounding.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Inner(Region);
+
+impl Inner {
+    /// Declares that `region` is contained in what it stands for. This is where a guarantee enters:
+    /// the caller has a proposition that says so, or checked a message that claims so.
+    pub fn within(region: Region) -> Self {
+        Self(region)
+    }
+
+    /// The union of rings, counter-clockwise ones adding and clockwise ones subtracting, in `bounds`.
+    pub(crate) fn from_rings(rings: &[Ring], bounds: &Region) -> Self {
+        Self(overlay(rings, bounds.rings(), RULE::Intersect))
+    }
+
+    /// The region.
+    pub fn region(&self) -> &Region {
+        &self.0
+    }
+
+    /// The region, by value.
+    pub fn into_region(self) -> Region {
+        self.0
+    }
+
+    /// Whether nothing is in it.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The union of all `parts`.
+    pub fn union<'a>(parts: impl IntoIterator<Item = &'a Inner>) -> Inner {
+        let mut parts = parts.into_iter().filter(|part| !part.is_empty());
+        let Some(first) = parts.next() else { return Inner::default() };
+        let rest: Vec<&Inner> = parts.collect();
+        if rest.is_empty() {
+            return first.clone();
+        }
+        let clip = rest.iter().flat_map(|part| part.0.rings());
+        Inner(overlay(first.0.rings(), clip, RULE::Union))
+    }
+
+    /// self ⊖ disc.
+    pub fn eroded(&self, disc: &Disc) -> Inner {
+        let paths: Vec<Ring> = self.0.rings().map(|ring| eroded_path(ring, disc)).collect();
+        Inner(overlay(&paths, [], RULE::Subject))
+    }
+
+    /// A subset with fewer vertices: each move gives away at most `tolerance_m2`.
+    pub fn simplified(self, tolerance_m2: f64) -> Inner {
+        Inner(simplify_region(self.0, Kind::Inner, tolerance_m2))
+    }
+}

@@ -1,0 +1,45 @@
+//! Planar sets whose type says what they guarantee.
+//!
+//! [`Outer`] contains the set it stands for, [`Inner`] is contained in it. Only operations that keep
+//! that promise exist:
+//!
+//! | operation | result |
+//! |---|---|
+//! | `Outer ∩ Outer` | `Outer` |
+//! | `Outer \ Inner` | `Outer` |
+//! | `Inner ∪ Inner` | `Inner` |
+//! | [`Outer::dilated`], [`Outer::simplified`] | `Outer` |
+//! | [`Inner::eroded`], [`Inner::simplified`] | `Inner` |
+//!
+//! `Outer \ Outer` does not exist: what would break the guarantee does not compile.
+//!
+//! ```compile_fail
+//! # use csat_agent::region::Outer;
+//! # use csat_proto::region::Region;
+//! let a = Outer::containing(Region::EMPTY);
+//! let b = Outer::containing(Region::EMPTY);
+//! let _ = a.minus([&b]); // expected `&Inner`, found `&Outer`
+//! ```
+//!
+//! # Rounding
+//!
+//! All coordinates are integers ([`csat_proto::region`]). A Boolean operation rounds intersection
+//! points to the grid and may bend an edge by about one unit (3.8 µm). [`NUMERIC_MARGIN_M`] is added
+//! to every dilation and erosion, once per step, and outweighs the few operations of a step.
+
+mod boolean;
+mod disc;
+mod inner;
+mod outer;
+mod simplify;
+mod sweep;
+
+pub use disc::Disc;
+pub use inner::Inner;
+pub use outer::Outer;
+pub use simplify::{Kind, simplify_ring};
+
+pub(crate) use boolean::{RULE, overlay};
+
+/// ε_num: what a step's polygon operations may lose by rounding, in metres, with a wide margin.
+pub const NUMERIC_MARGIN_M: f64 = 1e-4;
