@@ -53,8 +53,8 @@ pub struct EstimatorConfig {
     pub disc_vertices: u16,
     /// Area that one simplification move may give away, square metres.
     pub simplify_m2: f64,
-    /// The same for image outlines, square pixels.
-    pub simplify_px2: f64,
+    /// How far corners of the clear ground's outline in the image may be cut, pixels.
+    pub outline_tolerance_px: f64,
     /// Cell of the coarse sets (hidden ground, planning), metres.
     pub raster_cell_m: f64,
     /// Cell of the occupancy-elevation map, metres.
@@ -66,7 +66,7 @@ impl Default for EstimatorConfig {
         Self {
             disc_vertices: 16,
             simplify_m2: 0.05,
-            simplify_px2: 1.0,
+            outline_tolerance_px: 1.0,
             raster_cell_m: 2.0,
             oem_cell_m: 5.0,
         }

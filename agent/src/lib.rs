@@ -2,5 +2,7 @@
 
 pub mod config;
 pub mod estimate;
+pub mod exchange;
 pub mod guidance;
 pub mod region;
+pub mod sense;

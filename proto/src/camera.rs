@@ -282,9 +282,8 @@ impl CameraView {
         let within = |t: f64| {
             let c = from[0] + t * (to[0] - from[0]);
             let r = from[1] + t * (to[1] - from[1]);
-            self.ground_point(c, r).filter(|p| {
-                (p[0] - self.centre_world.x).hypot(p[1] - self.centre_world.y) <= reach
-            })
+            self.ground_point(c, r)
+                .filter(|p| (p[0] - self.centre_world.x).hypot(p[1] - self.centre_world.y) <= reach)
         };
         if let (Some(start), Some(_)) = (within(0.0), within(1.0)) {
             polygon.push(start);

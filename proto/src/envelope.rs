@@ -82,8 +82,7 @@ impl Envelope {
         if crc32fast::hash(content) != u32::from_le_bytes(*checksum) {
             return Err(EnvelopeError::Checksum);
         }
-        let envelope: Self =
-            postcard::from_bytes(content).map_err(|_| EnvelopeError::Malformed)?;
+        let envelope: Self = postcard::from_bytes(content).map_err(|_| EnvelopeError::Malformed)?;
         let Pose { p_world, yaw_rad, pitch_rad, roll_rad } = envelope.pose;
         if !p_world.iter().chain(&[yaw_rad, pitch_rad, roll_rad]).all(|x| x.is_finite()) {
             return Err(EnvelopeError::Pose);

@@ -34,6 +34,15 @@ impl OemCell {
         // The derived order *is* the lattice order: it is total.
         self.max(other)
     }
+
+    /// A number that tells states apart and keeps their order, for hashes.
+    pub fn code(self) -> u32 {
+        match self {
+            Self::Unexplored => 0,
+            Self::Occupied { height_dm } => 1 + u32::from(height_dm),
+            Self::Empty => u32::MAX,
+        }
+    }
 }
 
 /// A cell of the OEM that changed, by its row-major index.

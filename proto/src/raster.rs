@@ -26,10 +26,7 @@ impl Grid {
 
     /// West and south border of the grid, metres; the grid is centred on the origin.
     pub fn origin(&self) -> [f64; 2] {
-        [
-            -0.5 * f64::from(self.columns) * self.cell_m,
-            -0.5 * f64::from(self.rows) * self.cell_m,
-        ]
+        [-0.5 * f64::from(self.columns) * self.cell_m, -0.5 * f64::from(self.rows) * self.cell_m]
     }
 
     /// The centre of a cell, metres.
@@ -217,6 +214,42 @@ impl Raster {
         })
     }
 
+    /// out = the cells whose centres are at most `radius_m` from a cell of self, taken as a square:
+    /// self ⊕ disc, sampled at the centres. What leaves the grid is lost; what `out` held, too.
+    pub fn dilate_disc_into(&self, radius_m: f64, out: &mut Raster) {
+        debug_assert_eq!(self.grid, out.grid, "rasters of one grid");
+        out.words.fill(0);
+        let reaches = disc_reaches(radius_m / self.grid.cell_m);
+        let last_word = u64::MAX >> (self.words_per_row as u32 * 64 - self.grid.columns);
+        let mut spread = vec![0u64; self.words_per_row];
+        for row in 0..self.grid.rows {
+            if self.row(row).iter().all(|&word| word == 0) {
+                continue;
+            }
+            spread.copy_from_slice(self.row(row));
+            let mut reached = 0;
+            // The farther the row, the shorter the reach along it: farthest first, growing on.
+            for (offset, &reach) in reaches.iter().enumerate().rev() {
+                spread_bits(&mut spread, reach - reached);
+                reached = reach;
+                spread[self.words_per_row - 1] &= last_word;
+                let offset = offset as u32;
+                let below = row.checked_sub(offset);
+                let above = (offset > 0).then_some(row + offset).filter(|&r| r < self.grid.rows);
+                for target in below.into_iter().chain(above) {
+                    out.row_mut(target).iter_mut().zip(&spread).for_each(|(o, s)| *o |= s);
+                }
+            }
+        }
+    }
+
+    /// self ⊕ disc: see [`Self::dilate_disc_into`].
+    pub fn dilated_disc(&self, radius_m: f64) -> Raster {
+        let mut out = Raster::empty(self.grid);
+        self.dilate_disc_into(radius_m, &mut out);
+        out
+    }
+
     /// The lengths of the runs of absent and present cells in row-major order, absent first.
     fn runs(&self) -> Vec<u32> {
         let mut runs = Vec::new();
@@ -231,6 +264,36 @@ impl Raster {
             }
         }
         runs
+    }
+}
+
+/// By row offset 0, 1, …: how many columns a disc of `radius` cells reaches from a square cell to
+/// centres of that row. Non-increasing.
+fn disc_reaches(radius: f64) -> Vec<u32> {
+    // A centre exactly on the circle belongs to it, whatever the rounding.
+    let radius = radius.max(0.0) + 1e-9;
+    let reach = |offset: u32| {
+        let gap = (f64::from(offset) - 0.5).max(0.0);
+        let rest = radius * radius - gap * gap;
+        (rest >= 0.0).then(|| (rest.sqrt() + 0.5) as u32)
+    };
+    (0..).map_while(reach).collect()
+}
+
+/// Spreads every bit of a row to `reach` neighbours on both sides.
+fn spread_bits(words: &mut [u64], reach: u32) {
+    let mut done = 0;
+    while done < reach {
+        // Runs are at least 2·done + 1 long by now, so a shift by that much leaves no gap.
+        let shift = (2 * done + 1).min(reach - done).min(63);
+        let mut before = 0;
+        for i in 0..words.len() {
+            let (word, after) = (words[i], words.get(i + 1).copied().unwrap_or(0));
+            words[i] |=
+                word << shift | before >> (64 - shift) | word >> shift | after << (64 - shift);
+            before = word;
+        }
+        done += shift;
     }
 }
 
@@ -318,6 +381,30 @@ mod tests {
         assert!((raster.area_m2() - region.area_m2()).abs() < 100.0);
     }
 
+    /// Against the definition, over word borders and grid borders.
+    #[test]
+    fn a_dilation_adds_the_centres_within_the_radius() {
+        let mut raster = Raster::empty(grid());
+        for (column, row) in [(0, 0), (63, 40), (64, 41), (149, 89), (130, 2), (70, 60)] {
+            raster.set(column, row);
+        }
+        for radius_m in [0.0, 0.4, 1.5, 3.0, 7.3, 80.0] {
+            let dilated = raster.dilated_disc(radius_m);
+            for (row, column) in (0..90).flat_map(|row| (0..150).map(move |column| (row, column))) {
+                let gap = |a: u32, b: u32| (f64::from(a.abs_diff(b)) - 0.5).max(0.0);
+                let near =
+                    |(c, r): (u32, u32)| gap(c, column).hypot(gap(r, row)) <= radius_m + 1e-9;
+                let expected = raster.iter().any(near);
+                assert_eq!(dilated.get(column, row), expected, "{radius_m} m: {column} {row}");
+            }
+            assert_eq!(
+                dilated.iter().count() as u32,
+                dilated.count(),
+                "no bits past the last column"
+            );
+        }
+    }
+
     #[test]
     fn the_wire_keeps_every_cell() {
         let mut raster = Raster::empty(grid());
@@ -334,7 +421,8 @@ mod tests {
 
     #[test]
     fn impossible_grids_are_refused() {
-        for (columns, cell_m, run) in [(0, 1.0, 0), (3, f64::NAN, 0), (3, 1.0, 10), (u32::MAX, 1.0, 0)]
+        for (columns, cell_m, run) in
+            [(0, 1.0, 0), (3, f64::NAN, 0), (3, 1.0, 10), (u32::MAX, 1.0, 0)]
         {
             let wire = (Grid { cell_m, columns, rows: 3 }, vec![run]);
             let bytes = postcard::to_stdvec(&wire).unwrap();

@@ -1,1 +1,170 @@
-//! Where to fly next.
+//! Where to fly next: distributed model-predictive guidance (paper §VII, thesis ch. 5).
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `footprint` | F(x^u) ∩ X_g, a run of cells per row |
+//! | `shadow` | H^OEM(x^u), what the boxes of the OEM would hide |
+//! | [`criterion`] | what a criterion counts as seen, and its cost |
+//! | [`rollout`] | prediction: poses and X^Δ, block by block |
+//! | `search` | the tree of yaw increments |
+//! | [`schedule`] | who plans when, and with which plans of the others |
+//!
+//! Nothing here needs a guarantee: sets are rasters. Everything is a function of its arguments.
+
+use csat_proto::camera::Pose;
+use csat_proto::raster::{Grid, Raster};
+
+use crate::config::AgentConfig;
+use crate::estimate::oem::Oem;
+
+pub mod criterion;
+mod footprint;
+pub mod rollout;
+pub mod schedule;
+mod search;
+mod shadow;
+
+use criterion::{Sight, Terms, Weights};
+use rollout::{Level, Motion, Surroundings};
+use search::Search;
+
+/// What an agent knows at a decision, as far as its planner cares. All rasters are on
+/// [`AgentConfig::raster_grid`].
+#[derive(Debug, Clone, Copy)]
+pub struct Picture<'a> {
+    /// X^Δ = X̄ ∪ ⋃ X_j (5.11).
+    pub wanted: &'a Raster,
+    /// X°.
+    pub margin: &'a Raster,
+    /// H^CVS of this step's own frame; only `str2` reads it.
+    pub hidden_now: &'a Raster,
+    /// H^CVS of this step of each neighbour, in the order of the neighbours given to
+    /// [`Planner::plan`], where known (5.19); may be shorter. Only `str2` reads it.
+    pub neighbours_hidden_now: &'a [Option<&'a Raster>],
+    /// ⋃ H^CVS of all over the last h steps (5.30); only `str3` with κ > 0 weighs it.
+    pub hidden_recent: &'a Raster,
+    /// M; only `str3` reads it.
+    pub oem: &'a Oem,
+}
+
+/// What to fly, and why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decision {
+    /// The yaw increments, one per block, radians; the first is the command.
+    pub increments_rad: Vec<f64>,
+    /// The predicted poses at the ends of the blocks (5.35): the plan to announce.
+    pub poses: Vec<Pose>,
+    /// J⁰ + κ·J² + λ·J¹, m².
+    pub cost: f64,
+    /// The terms of the cost.
+    pub terms: Terms,
+    /// How many poses were looked from, neighbours' not counted.
+    pub nodes: u32,
+}
+
+/// Plans for one agent. Holds nothing between two plans but configuration and scratch memory.
+#[derive(Debug, Clone)]
+pub struct Planner {
+    grid: Grid,
+    sight: Sight,
+    motion: Motion,
+    weights: Weights,
+    increments: Vec<f64>,
+    growth_m: f64,
+    levels: Vec<Level>,
+    seen_by_others: Vec<Raster>,
+}
+
+impl Planner {
+    /// The planner of `config.guidance`. No increments means straight ahead; a horizon of 0 blocks
+    /// means 1.
+    pub fn new(config: &AgentConfig) -> Self {
+        let (grid, guidance) = (config.raster_grid(), &config.guidance);
+        let mut increments: Vec<f64> =
+            guidance.increments_deg.iter().map(|degrees| degrees.to_radians()).collect();
+        if increments.is_empty() {
+            increments.push(0.0);
+        }
+        // Among equals the gentlest turn wins, then the first in the list: the sort is stable.
+        increments.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let blocks = usize::from(guidance.n_mpc.max(1));
+        Self {
+            grid,
+            sight: Sight::new(config),
+            motion: Motion::new(config),
+            weights: Weights::new(config),
+            increments,
+            growth_m: config.targets.v_max_m_s * guidance.period_s,
+            levels: vec![Level::new(grid); blocks],
+            seen_by_others: vec![Raster::empty(grid); blocks],
+        }
+    }
+
+    /// The best sequence of yaw increments from `pose` (`world`, metres; its yaw is the one the
+    /// vehicle flies or was last told to), exhaustively.
+    ///
+    /// `neighbours` are each neighbour's predicted poses at the ends of the blocks from now on; what
+    /// is missing is flown straight ahead, and a neighbour without a pose is ignored.
+    pub fn plan(
+        &mut self,
+        picture: &Picture<'_>,
+        pose: &Pose,
+        neighbours: &[Vec<Pose>],
+    ) -> Decision {
+        self.sight.load(picture.oem);
+        self.look_for_others(picture, neighbours);
+        if let Some(root) = self.levels.first_mut() {
+            root.remaining.clone_from(picture.wanted);
+        }
+        let margin = self.sight.removes_margin().then_some(picture.margin);
+        let mut search = Search {
+            sight: &mut self.sight,
+            motion: self.motion,
+            weights: self.weights,
+            increments: &self.increments,
+            around: Surroundings {
+                growth_m: self.growth_m,
+                margin,
+                seen_by_others: &self.seen_by_others,
+                hidden_recent: picture.hidden_recent,
+            },
+            hidden_now: picture.hidden_now,
+            oem: picture.oem,
+            trail: Vec::with_capacity(self.levels.len()),
+            best: None,
+            nodes: 0,
+        };
+        search.descend(&mut self.levels, pose);
+        let nodes = search.nodes;
+        let (cost, terms, choices) =
+            search.best.map_or_else(Default::default, |best| (best.cost, best.terms, best.choices));
+        let (increments_rad, poses) = choices.into_iter().unzip();
+        Decision { increments_rad, poses, cost, terms, nodes }
+    }
+
+    /// F(x^u) ∩ X_g (3.24).
+    pub fn footprint(&self, pose: &Pose) -> Raster {
+        self.sight.footprint(pose).raster(self.grid)
+    }
+
+    /// H^OEM(x^u) ∩ F(x^u) ∩ X_g (4.42), for the OEM's metric (5.45); whatever the criterion.
+    pub fn predicted_hidden(&mut self, oem: &Oem, pose: &Pose) -> Raster {
+        self.sight.predicted_hidden(oem, pose)
+    }
+
+    /// What the neighbours would see is the same in every node of a depth: it is found once.
+    fn look_for_others(&mut self, picture: &Picture<'_>, neighbours: &[Vec<Pose>]) {
+        let blocks = self.levels.len();
+        self.seen_by_others.fill(Raster::empty(self.grid));
+        for (index, plan) in neighbours.iter().enumerate() {
+            let hidden_now = picture.neighbours_hidden_now.get(index).copied().flatten();
+            let poses = self.motion.forecast(plan, 0, blocks);
+            for (pose, seen) in poses.iter().zip(&mut self.seen_by_others) {
+                rollout::add_seen(&mut self.sight, pose, hidden_now, seen);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,171 @@
+//! The sets an agent holds.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use csat_proto::ids::TargetId;
+use csat_proto::raster::Raster;
+use csat_proto::region::Region;
+use csat_proto::time::Step;
+use xxhash_rust::xxh3::Xxh3Default;
+
+use super::oem::Oem;
+use crate::config::AgentConfig;
+use crate::region::{Inner, Outer};
+
+/// What agent i knows at step k.
+///
+/// The guarantee: a target in [`Self::targets`] is inside its set, every other one is inside
+/// [`Self::unexplored`].
+#[derive(Debug, Clone)]
+pub struct Knowledge {
+    /// k.
+    pub step: Step,
+    /// L_i and X_ij, outer.
+    pub targets: BTreeMap<TargetId, Outer>,
+    /// X̄_i, outer: contains the location of every target not in L_i.
+    pub unexplored: Outer,
+    /// X°_i, inner: no target location ever.
+    pub margin: Inner,
+    /// M_i.
+    pub oem: Oem,
+    /// X^h (5.43): ground once hidden and not seen since.
+    pub hidden: Raster,
+    recent_views: VecDeque<View>,
+    ground: Region,
+}
+
+impl Knowledge {
+    /// The start: nothing identified, everything unexplored.
+    pub fn at_start(config: &AgentConfig) -> Self {
+        let ground = Region::rectangle(config.ground.size_m);
+        Self {
+            step: Step(0),
+            targets: BTreeMap::new(),
+            unexplored: Outer::containing(ground.clone()),
+            margin: Inner::default(),
+            oem: Oem::unexplored(config.oem_grid()),
+            hidden: Raster::empty(config.raster_grid()),
+            recent_views: VecDeque::new(),
+            ground,
+        }
+    }
+
+    /// X_g.
+    pub fn ground(&self) -> &Region {
+        &self.ground
+    }
+
+    /// The set that is known to contain a target: X_ij, or X̄_i if j is not identified.
+    pub fn set_of(&self, target: TargetId) -> &Outer {
+        self.targets.get(&target).unwrap_or(&self.unexplored)
+    }
+
+    /// X^Δ = X̄ ∪ ⋃ X_j (5.11), coarsely.
+    pub fn wanted(&self) -> Raster {
+        let mut wanted = Raster::of_region(*self.hidden.grid(), self.unexplored.region());
+        for set in self.targets.values() {
+            wanted.union_with(&Raster::of_region(*self.hidden.grid(), set.region()));
+        }
+        wanted
+    }
+
+    /// Notes what somebody could not see and saw at `step` (5.43), (5.44).
+    ///
+    /// Ground becomes hidden unless anybody saw it at that step or later; views may come late, in
+    /// any order and more than once.
+    pub(super) fn note_view(&mut self, step: Step, hidden: &Raster, seen: &Raster) {
+        match self.recent_views.iter_mut().find(|view| view.step == step) {
+            Some(view) => {
+                view.hidden.union_with(hidden);
+                view.seen.union_with(seen);
+            }
+            None => {
+                let view = View { step, hidden: hidden.clone(), seen: seen.clone() };
+                self.recent_views.push_back(view);
+            }
+        }
+        let mut newly_hidden = hidden.clone();
+        for later in self.recent_views.iter().filter(|view| view.step >= step) {
+            newly_hidden.subtract(&later.seen);
+        }
+        // Seen at `step` ends being hidden, except where a later view hid the ground again.
+        let mut newly_seen = seen.clone();
+        for later in self.recent_views.iter().filter(|view| view.step > step) {
+            newly_seen.subtract(&later.hidden);
+        }
+        self.hidden.subtract(&newly_seen);
+        self.hidden.union_with(&newly_hidden);
+    }
+
+    /// Forgets views before `oldest`.
+    pub(super) fn forget_views_before(&mut self, oldest: Step) {
+        self.recent_views.retain(|view| view.step >= oldest);
+    }
+
+    /// The union of all that was hidden to anybody in the last h steps (5.30).
+    pub fn hidden_recently(&self) -> Raster {
+        let mut union = Raster::empty(*self.hidden.grid());
+        for view in &self.recent_views {
+            union.union_with(&view.hidden);
+        }
+        union
+    }
+
+    /// Restarts sets that became empty at X_g \ X° and returns their targets: an empty set proves
+    /// that an assumption failed or that somebody lied.
+    pub(super) fn restart_empty_sets(&mut self) -> Vec<TargetId> {
+        let empty: Vec<TargetId> =
+            self.targets.iter().filter(|(_, set)| set.is_empty()).map(|(&j, _)| j).collect();
+        if !empty.is_empty() {
+            let anywhere = Outer::containing(self.ground.clone()).minus([&self.margin]);
+            for j in &empty {
+                self.targets.insert(*j, anywhere.clone());
+            }
+        }
+        empty
+    }
+
+    /// A hash of everything above: equal digests mean equal knowledge.
+    pub fn digest(&self) -> u64 {
+        let mut hasher = Xxh3Default::new();
+        hasher.update(&self.step.0.to_le_bytes());
+        for (target, set) in &self.targets {
+            hasher.update(&target.0.to_le_bytes());
+            hash_region(&mut hasher, set.region());
+        }
+        hash_region(&mut hasher, self.unexplored.region());
+        hash_region(&mut hasher, self.margin.region());
+        for delta in self.oem.known() {
+            hasher.update(&delta.cell.to_le_bytes());
+            hasher.update(&delta.state.code().to_le_bytes());
+        }
+        for row in 0..self.hidden.grid().rows {
+            for word in self.hidden.row(row) {
+                hasher.update(&word.to_le_bytes());
+            }
+        }
+        hasher.digest()
+    }
+}
+
+/// What the fleet could not see, and saw, at one step.
+#[derive(Debug, Clone)]
+struct View {
+    step: Step,
+    hidden: Raster,
+    seen: Raster,
+}
+
+fn hash_region(hasher: &mut Xxh3Default, region: &Region) {
+    for shape in region.shapes() {
+        hasher.update(&(shape.len() as u64).to_le_bytes());
+        for ring in shape {
+            hasher.update(&(ring.len() as u64).to_le_bytes());
+            for p in ring {
+                hasher.update(&p.x.to_le_bytes());
+                hasher.update(&p.y.to_le_bytes());
+            }
+        }
+    }
+    hasher.update(&u64::MAX.to_le_bytes());
+}

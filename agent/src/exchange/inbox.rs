@@ -1,0 +1,70 @@
+//! What of the others' messages is believed, kept until it can be applied.
+
+use std::collections::BTreeMap;
+
+use csat_proto::envelope::Envelope;
+use csat_proto::ids::{AgentId, Incarnation};
+use csat_proto::message::{Fact, Message, Plan, Snapshot};
+use csat_proto::time::Step;
+
+use super::validate::{self, Rejection};
+use crate::config::AgentConfig;
+
+/// Valid facts and snapshots that wait for the next fusion.
+#[derive(Debug, Clone)]
+pub struct Inbox {
+    config: AgentConfig,
+    incarnations: BTreeMap<AgentId, Incarnation>,
+    facts: Vec<Fact>,
+    snapshots: Vec<Snapshot>,
+}
+
+/// What became of a valid message.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Received {
+    /// Kept for the next fusion.
+    Knowledge,
+    /// Somebody's flight plan.
+    Plan(AgentId, Plan),
+}
+
+impl Inbox {
+    /// An inbox that has heard nobody.
+    pub fn new(config: &AgentConfig) -> Self {
+        Self {
+            config: config.clone(),
+            incarnations: BTreeMap::new(),
+            facts: Vec::new(),
+            snapshots: Vec::new(),
+        }
+    }
+
+    /// Decodes, checks and files a message that arrived at the receiver's step `now`.
+    pub fn receive(&mut self, now: Step, bytes: &[u8]) -> Result<Received, Rejection> {
+        let envelope = Envelope::decode(bytes)?;
+        let known = self.incarnations.get(&envelope.src).copied().unwrap_or_default();
+        let message = validate::check(&self.config, now, &envelope)?;
+        if envelope.incarnation < known {
+            return Err(Rejection::Incarnation { got: envelope.incarnation.0, known: known.0 });
+        }
+        self.incarnations.insert(envelope.src, envelope.incarnation);
+        match message {
+            Message::Fact(fact) => self.facts.push(fact),
+            Message::Snapshot(snapshot) => self.snapshots.push(snapshot),
+            Message::Plan(plan) => return Ok(Received::Plan(envelope.src, plan)),
+        }
+        Ok(Received::Knowledge)
+    }
+
+    /// Whether anything waits that can be applied at `now`.
+    pub fn has_due(&self, now: Step) -> bool {
+        self.facts.iter().any(|f| f.step <= now) || self.snapshots.iter().any(|s| s.step <= now)
+    }
+
+    /// Takes everything that can be applied at `now`; what comes from a step ahead stays.
+    pub fn take_due(&mut self, now: Step) -> (Vec<Fact>, Vec<Snapshot>) {
+        let facts = self.facts.extract_if(.., |f| f.step <= now).collect();
+        let snapshots = self.snapshots.extract_if(.., |s| s.step <= now).collect();
+        (facts, snapshots)
+    }
+}

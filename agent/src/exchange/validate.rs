@@ -1,0 +1,232 @@
+//! What is checked before anything in a message is believed.
+
+use csat_proto::envelope::{Envelope, EnvelopeError};
+use csat_proto::ids::TargetId;
+use csat_proto::message::{Fact, Message, OemDelta, Plan, Snapshot};
+use csat_proto::raster::Raster;
+use csat_proto::region::{Region, to_units, twice_signed_area};
+use csat_proto::time::Step;
+
+use crate::config::AgentConfig;
+
+/// Why a message was dropped.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Rejection {
+    /// The envelope is damaged or foreign.
+    #[error(transparent)]
+    Envelope(#[from] EnvelopeError),
+    /// It belongs to another run.
+    #[error("message of another run")]
+    Run,
+    /// The sender is not of the fleet, or is the receiver itself.
+    #[error("sender {got} is not another agent of a fleet of {fleet}")]
+    Sender {
+        /// The sender's index.
+        got: u16,
+        /// N^u.
+        fleet: u16,
+    },
+    /// The sender has restarted since.
+    #[error("incarnation {got}, but {known} was heard already")]
+    Incarnation {
+        /// The message's.
+        got: u32,
+        /// The newest one heard.
+        known: u32,
+    },
+    /// It comes from later than any clock error explains.
+    #[error("step {got} is ahead of step {now}")]
+    Future {
+        /// The message's step.
+        got: u32,
+        /// The receiver's step.
+        now: u32,
+    },
+    /// It is older than `max_age_s`.
+    #[error("{age_s} s old, at most {max_s} s are accepted")]
+    TooOld {
+        /// Its age, seconds.
+        age_s: f64,
+        /// The limit, seconds.
+        max_s: f64,
+    },
+    /// The body does not decode.
+    #[error("malformed body")]
+    Malformed,
+    /// Steps of header and body differ.
+    #[error("header says step {header}, body step {body}")]
+    Step {
+        /// The header's.
+        header: u32,
+        /// The body's.
+        body: u32,
+    },
+    /// More vertices than are accepted.
+    #[error("{got} vertices, at most {max} are accepted")]
+    TooManyVertices {
+        /// Their number.
+        got: usize,
+        /// The limit.
+        max: usize,
+    },
+    /// A set leaves the region of interest.
+    #[error("a set leaves the region of interest")]
+    Outside,
+    /// An outer ring is not counter-clockwise or a hole not clockwise.
+    #[error("a ring is wound the wrong way")]
+    Winding,
+    /// Target indexes are not strictly increasing.
+    #[error("targets are not listed once each by increasing index")]
+    Targets,
+    /// A raster on another grid.
+    #[error("a raster is on another grid")]
+    Grid,
+    /// A cell outside the map.
+    #[error("cell {got} of a map of {cells} cells")]
+    Cell {
+        /// Its index.
+        got: u32,
+        /// Number of cells.
+        cells: usize,
+    },
+    /// A pose that is not finite, or more poses than blocks.
+    #[error("an impossible flight plan")]
+    Plan,
+}
+
+impl Rejection {
+    /// A short name to count by.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Envelope(EnvelopeError::Checksum) => "checksum",
+            Self::Envelope(_) => "envelope",
+            Self::Run => "run",
+            Self::Sender { .. } => "sender",
+            Self::Incarnation { .. } => "incarnation",
+            Self::Future { .. } => "future",
+            Self::TooOld { .. } => "too-old",
+            Self::Malformed => "malformed",
+            Self::Step { .. } => "step",
+            Self::TooManyVertices { .. } => "vertices",
+            Self::Outside => "outside",
+            Self::Winding => "winding",
+            Self::Targets => "targets",
+            Self::Grid => "grid",
+            Self::Cell { .. } => "cell",
+            Self::Plan => "plan",
+        }
+    }
+}
+
+/// Checks header and body against what the receiver knows; `now` is its step.
+pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Message, Rejection> {
+    check_header(config, now, envelope)?;
+    let message: Message =
+        postcard::from_bytes(&envelope.body).map_err(|_| Rejection::Malformed)?;
+    let body = match &message {
+        Message::Fact(fact) => check_fact(config, fact).map(|()| fact.step),
+        Message::Snapshot(snapshot) => check_snapshot(config, snapshot).map(|()| snapshot.step),
+        Message::Plan(plan) => check_plan(config, plan).map(|()| plan.step),
+    }?;
+    if body != envelope.step {
+        return Err(Rejection::Step { header: envelope.step.0, body: body.0 });
+    }
+    Ok(message)
+}
+
+fn check_header(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<(), Rejection> {
+    if envelope.run != config.run {
+        return Err(Rejection::Run);
+    }
+    if envelope.src.0 >= config.fleet.count || envelope.src == config.id {
+        return Err(Rejection::Sender { got: envelope.src.0, fleet: config.fleet.count });
+    }
+    // A neighbour may already be in the step that this agent's next frame begins.
+    let ahead = 1 + (config.exchange.clock_skew_s / config.period_s).ceil() as u32;
+    if envelope.step.0 > now.0.saturating_add(ahead) {
+        return Err(Rejection::Future { got: envelope.step.0, now: now.0 });
+    }
+    let age_s = f64::from(now.0.saturating_sub(envelope.step.0)) * config.period_s;
+    let max_s = config.exchange.max_age_s;
+    if age_s > max_s {
+        return Err(Rejection::TooOld { age_s, max_s });
+    }
+    Ok(())
+}
+
+fn check_fact(config: &AgentConfig, fact: &Fact) -> Result<(), Rejection> {
+    check_targets(fact.targets.iter().map(|t| t.target))?;
+    let regions = [&fact.clear_ground, &fact.obstacle_margin].into_iter();
+    check_regions(
+        config,
+        regions.chain(fact.targets.iter().flat_map(|t| [&t.location, &t.exclusion])),
+    )?;
+    check_coarse(config, [&fact.hidden, &fact.seen], &fact.oem)
+}
+
+fn check_snapshot(config: &AgentConfig, snapshot: &Snapshot) -> Result<(), Rejection> {
+    check_targets(snapshot.targets.iter().map(|(j, _)| *j))?;
+    let regions = [&snapshot.unexplored, &snapshot.obstacle_margin].into_iter();
+    check_regions(config, regions.chain(snapshot.targets.iter().map(|(_, set)| set)))?;
+    check_coarse(config, [&snapshot.hidden, &snapshot.seen], &snapshot.oem)
+}
+
+fn check_plan(config: &AgentConfig, plan: &Plan) -> Result<(), Rejection> {
+    let finite = plan.poses.iter().all(|pose| {
+        pose.p_world.iter().chain(&[pose.yaw_rad]).all(|x| x.is_finite())
+            && pose.pitch_rad.is_finite()
+            && pose.roll_rad.is_finite()
+    });
+    let fits = plan.poses.len() <= usize::from(config.guidance.n_mpc) && plan.pass <= 1;
+    if finite && fits { Ok(()) } else { Err(Rejection::Plan) }
+}
+
+fn check_targets(targets: impl Iterator<Item = TargetId>) -> Result<(), Rejection> {
+    if targets.is_sorted_by(|a, b| a < b) { Ok(()) } else { Err(Rejection::Targets) }
+}
+
+fn check_regions<'a>(
+    config: &AgentConfig,
+    regions: impl Iterator<Item = &'a Region>,
+) -> Result<(), Rejection> {
+    // Exclusions may reach over the border of the region by their radius.
+    let slack_m = config.targets.target_distance_m + 1.0;
+    let limit = config.ground.size_m.map(|size| to_units(size / 2.0 + slack_m));
+    let max = config.exchange.max_vertices as usize;
+    let mut vertices = 0;
+    for region in regions {
+        vertices += region.vertex_count();
+        if vertices > max {
+            return Err(Rejection::TooManyVertices { got: vertices, max });
+        }
+        let outside = |p: &csat_proto::region::GridPoint| {
+            p.x.unsigned_abs() > limit[0] as u32 || p.y.unsigned_abs() > limit[1] as u32
+        };
+        if region.rings().flatten().any(outside) {
+            return Err(Rejection::Outside);
+        }
+        for shape in region.shapes() {
+            let wound = |(i, ring): (usize, &Vec<_>)| (twice_signed_area(ring) > 0) == (i == 0);
+            if !shape.iter().enumerate().all(wound) {
+                return Err(Rejection::Winding);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_coarse(
+    config: &AgentConfig,
+    rasters: [&Raster; 2],
+    oem: &[OemDelta],
+) -> Result<(), Rejection> {
+    let grid = config.raster_grid();
+    if rasters.iter().any(|raster| *raster.grid() != grid) {
+        return Err(Rejection::Grid);
+    }
+    let cells = config.oem_grid().cells();
+    match oem.iter().find(|delta| delta.cell as usize >= cells) {
+        Some(delta) => Err(Rejection::Cell { got: delta.cell, cells }),
+        None => Ok(()),
+    }
+}

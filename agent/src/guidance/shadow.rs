@@ -1,0 +1,274 @@
+//! Predicted shadows H^OEM(x^u) (4.41)-(4.42) without a polygon in sight.
+//!
+//! A box of height h seen from height z hides, on the ground, the union of its base scaled about the
+//! point below the camera (the *foot*) by every factor from 1 to z/(z-h): that union *is* the convex
+//! hull of the eight projected vertices. So along any ground ray from the foot that crosses the base
+//! between `enter` and `leave`, it hides exactly [enter, leave·z/(z-h)]; everything beyond `enter`
+//! when h ≥ z. Rays are laid out by slope, not by angle, so that a cell finds its ray and its place
+//! on it with one division and no trigonometry, and the place is exact: only the slope is rounded.
+
+use csat_proto::message::OemCell;
+use csat_proto::raster::Grid;
+
+use crate::estimate::oem::Oem;
+
+/// The Occupied cells of an OEM, row by row.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Towers {
+    cell_m: f64,
+    origin: [f64; 2],
+    /// (x, y, height) of the cells' centres, `world`, metres.
+    towers: Vec<[f64; 3]>,
+    /// Where each row starts in `towers`, and the end.
+    row_starts: Vec<usize>,
+}
+
+impl Towers {
+    /// Replaces the towers by the boxes (4.41) of `oem`.
+    pub(super) fn load(&mut self, oem: &Oem) {
+        let grid = oem.grid();
+        (self.cell_m, self.origin) = (grid.cell_m, grid.origin());
+        self.towers.clear();
+        self.row_starts.clear();
+        for (cells, row) in oem.cells().chunks(grid.columns as usize).zip(0..) {
+            self.row_starts.push(self.towers.len());
+            for (cell, column) in cells.iter().zip(0..) {
+                if let OemCell::Occupied { height_dm } = *cell {
+                    let [x, y] = grid.centre(column, row);
+                    self.towers.push([x, y, f64::from(height_dm) / 10.0]);
+                }
+            }
+        }
+        self.row_starts.push(self.towers.len());
+    }
+
+    /// The towers of the rows within `reach_m` of `y`.
+    fn near_rows(&self, y: f64, reach_m: f64) -> &[[f64; 3]] {
+        let Some(rows) = self.row_starts.len().checked_sub(1) else { return &[] };
+        let row = |y: f64| ((y - self.origin[1]) / self.cell_m).clamp(0.0, rows as f64);
+        let (first, last) = (row(y - reach_m).floor(), row(y + reach_m).ceil());
+        &self.towers[self.row_starts[first as usize]..self.row_starts[last as usize]]
+    }
+}
+
+/// Casts the shadows of [`Towers`] for one pose at a time.
+#[derive(Debug, Clone)]
+pub(super) struct Caster {
+    cell_m: f64,
+    origin: [f64; 2],
+    reach_m: f64,
+    /// Rays per quadrant; even, so that no ray has slope 0.
+    rays: usize,
+    /// Words per ray; bit b is the cell b cells away along the quadrant's axis.
+    words: usize,
+    bits: Vec<u64>,
+    foot: [f64; 2],
+    /// The foot's cell, also outside the grid.
+    foot_cell: [i64; 2],
+    /// Where that cell's centre is, seen from the foot.
+    phase: [f64; 2],
+}
+
+impl Caster {
+    /// A caster for cells of `grid` that look no farther than `reach_m`. Rays are at most one cell
+    /// apart there.
+    pub(super) fn new(grid: &Grid, reach_m: f64) -> Self {
+        let cells = (reach_m / grid.cell_m).ceil().max(1.0) as usize;
+        let (rays, words) = (2 * cells, (cells + 2).div_ceil(64));
+        Self {
+            cell_m: grid.cell_m,
+            origin: grid.origin(),
+            reach_m,
+            rays,
+            words,
+            bits: vec![0; 4 * rays * words],
+            foot: [0.0; 2],
+            foot_cell: [0; 2],
+            phase: [0.0; 2],
+        }
+    }
+
+    /// Forgets the last pose and casts the shadows for a camera at `p_world`. Only shadows that may
+    /// fall into `footprint` (a convex ring, metres) are cast.
+    pub(super) fn cast(&mut self, towers: &Towers, p_world: [f64; 3], footprint: &[[f64; 2]]) {
+        let [x, y, z] = p_world;
+        self.bits.fill(0);
+        self.foot = [x, y];
+        for axis in 0..2 {
+            let cell = ((self.foot[axis] - self.origin[axis]) / self.cell_m).floor();
+            self.foot_cell[axis] = cell as i64;
+            self.phase[axis] = self.origin[axis] + (cell + 0.5) * self.cell_m - self.foot[axis];
+        }
+        let half = 0.5 * towers.cell_m;
+        // No point of a cell is farther from its centre than this.
+        let margin = half * std::f64::consts::SQRT_2;
+        let fan = Fan::around([x, y], footprint);
+        for &[tower_x, tower_y, height] in towers.near_rows(y, self.reach_m + half) {
+            let d = [tower_x - x, tower_y - y];
+            let out_of_reach = d[0].abs() > self.reach_m + half;
+            if out_of_reach || fan.as_ref().is_some_and(|fan| !fan.meets(d, margin)) {
+                continue;
+            }
+            let stretch = if height < z { z / (z - height) } else { f64::INFINITY };
+            let (x, y) = ([d[0] - half, d[0] + half], [d[1] - half, d[1] + half]);
+            let mirrored = |[low, high]: [f64; 2]| [-high, -low];
+            self.mark(Quadrant::East, x, y, stretch);
+            self.mark(Quadrant::West, mirrored(x), y, stretch);
+            self.mark(Quadrant::North, y, x, stretch);
+            self.mark(Quadrant::South, mirrored(y), x, stretch);
+        }
+    }
+
+    /// Marks a box on the rays of one quadrant: `along` its axis and `across` it, from the foot.
+    fn mark(&mut self, quadrant: Quadrant, along: [f64; 2], across: [f64; 2], stretch: f64) {
+        let (near, far) = (along[0].max(1e-9), along[1]);
+        if far <= near {
+            return;
+        }
+        let least = across[0] / if across[0] < 0.0 { near } else { far };
+        let most = across[1] / if across[1] > 0.0 { near } else { far };
+        let half_rays = 0.5 * self.rays as f64;
+        let first = ((least + 1.0) * half_rays - 0.5).ceil().max(0.0) as usize;
+        let end = ((most + 1.0) * half_rays + 0.5).floor().clamp(0.0, self.rays as f64) as usize;
+        let sign = quadrant.sign();
+        let phase = sign * self.phase[quadrant.axis()];
+        let last_bin = (self.words * 64 - 1) as f64;
+        for ray in first..end {
+            let slope = (ray as f64 + 0.5) / half_rays - 1.0;
+            let (a, b) = (across[0] / slope, across[1] / slope);
+            let (enter, leave) = (near.max(a.min(b)), far.min(a.max(b)));
+            let first_bin = ((enter - phase) / self.cell_m).ceil().max(0.0);
+            let end_bin = ((leave * stretch - phase) / self.cell_m).floor().min(last_bin);
+            if enter <= leave && first_bin <= end_bin {
+                let start = (quadrant as usize * self.rays + ray) * self.words;
+                let words = &mut self.bits[start..start + self.words];
+                set_bits(words, first_bin as usize, end_bin as usize);
+            }
+        }
+    }
+
+    /// Whether the cell is hidden from the last pose. Defined within the footprint given to
+    /// [`Self::cast`]; exact but for a cell whose border the shadow's border crosses.
+    pub(super) fn hides(&self, column: u32, row: u32) -> bool {
+        let cells = [i64::from(column) - self.foot_cell[0], i64::from(row) - self.foot_cell[1]];
+        let d = [0, 1].map(|axis| cells[axis] as f64 * self.cell_m + self.phase[axis]);
+        let (along, quadrant) = match (d[0].abs() >= d[1].abs(), d[0] < 0.0, d[1] < 0.0) {
+            (true, false, _) => (0, Quadrant::East),
+            (true, true, _) => (0, Quadrant::West),
+            (false, _, false) => (1, Quadrant::North),
+            (false, _, true) => (1, Quadrant::South),
+        };
+        let slope = d[1 - along] / d[along].abs();
+        let ray = ((slope + 1.0) * 0.5 * self.rays as f64) as usize;
+        let start = (quadrant as usize * self.rays + ray.min(self.rays - 1)) * self.words;
+        let bin = cells[along].unsigned_abs() as usize;
+        bin / 64 < self.words && self.bits[start + bin / 64] >> (bin % 64) & 1 == 1
+    }
+}
+
+/// The four quadrants of directions about the foot, each within 45° of its axis.
+#[derive(Debug, Clone, Copy)]
+enum Quadrant {
+    East,
+    West,
+    North,
+    South,
+}
+
+impl Quadrant {
+    fn axis(self) -> usize {
+        usize::from(matches!(self, Self::North | Self::South))
+    }
+
+    fn sign(self) -> f64 {
+        if matches!(self, Self::East | Self::North) { 1.0 } else { -1.0 }
+    }
+}
+
+/// Sets the bits first..=last.
+fn set_bits(words: &mut [u64], first: usize, last: usize) {
+    for (index, word) in words.iter_mut().enumerate().take(last / 64 + 1).skip(first / 64) {
+        let low = first.saturating_sub(index * 64);
+        let high = (last - index * 64).min(63);
+        *word |= (u64::MAX << low) & (u64::MAX >> (63 - high));
+    }
+}
+
+/// The directions from the foot to a convex ring that does not contain it.
+#[derive(Debug)]
+struct Fan {
+    right: [f64; 2],
+    left: [f64; 2],
+}
+
+impl Fan {
+    /// `None` when the foot lies inside the ring, so that every direction counts.
+    fn around(foot: [f64; 2], ring: &[[f64; 2]]) -> Option<Self> {
+        let mut directions = ring.iter().filter_map(|p| {
+            let d = [p[0] - foot[0], p[1] - foot[1]];
+            let length = d[0].hypot(d[1]);
+            (length > 0.0).then(|| [d[0] / length, d[1] / length])
+        });
+        let first = directions.next()?;
+        let mut fan = Self { right: first, left: first };
+        for d in directions {
+            // Inside, the ring runs all around the foot: some corner is beyond both sides.
+            match (cross(fan.right, d) < 0.0, cross(d, fan.left) < 0.0) {
+                (true, true) => return None,
+                (true, false) => fan.right = d,
+                (false, true) => fan.left = d,
+                (false, false) => {}
+            }
+            if cross(fan.right, fan.left) < 0.0 {
+                return None;
+            }
+        }
+        Some(fan)
+    }
+
+    /// Whether a disc about `d`, seen from the foot, may touch the fan.
+    fn meets(&self, d: [f64; 2], radius: f64) -> bool {
+        cross(self.right, d) >= -radius && cross(d, self.left) >= -radius
+    }
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+/// Whether the ground point `p` is hidden from a camera at `p_world` by a box of the OEM (4.42): the
+/// cells under the line of sight, one after the other. For single points far from any footprint.
+pub(super) fn hides_point(oem: &Oem, p_world: [f64; 3], p: [f64; 2]) -> bool {
+    let (grid, z) = (oem.grid(), p_world[2]);
+    let (origin, cell) = (grid.origin(), grid.cell_m);
+    let from = [0, 1].map(|axis| (p_world[axis] - origin[axis]) / cell);
+    let to = [0, 1].map(|axis| (p[axis] - origin[axis]) / cell);
+    let delta = [to[0] - from[0], to[1] - from[1]];
+    let mut at = from.map(|v| v.floor() as i64);
+    let step = delta.map(|d| if d < 0.0 { -1 } else { 1 });
+    // The share of the way at which the next column and the next row begin, and what one takes.
+    let share = delta.map(|d| if d == 0.0 { f64::INFINITY } else { 1.0 / d.abs() });
+    let mut next = [0, 1].map(|axis| {
+        let border = at[axis] as f64 + if step[axis] > 0 { 1.0 } else { 0.0 };
+        if delta[axis] == 0.0 { f64::INFINITY } else { (border - from[axis]).abs() * share[axis] }
+    });
+    loop {
+        let leave = next[0].min(next[1]).min(1.0);
+        let inside = (0..i64::from(grid.columns)).contains(&at[0])
+            && (0..i64::from(grid.rows)).contains(&at[1]);
+        let height = if inside { oem.height_m(at[0] as u32, at[1] as u32) } else { None };
+        if height.is_some_and(|h| h >= z || leave * z >= z - h) {
+            return true;
+        }
+        if leave >= 1.0 {
+            return false;
+        }
+        let axis = usize::from(next[1] < next[0]);
+        at[axis] += step[axis];
+        next[axis] += share[axis];
+    }
+}
+
+#[cfg(test)]
+#[path = "shadow_tests.rs"]
+mod tests;

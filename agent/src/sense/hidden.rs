@@ -1,0 +1,79 @@
+//! Ground that is hidden or seen in a frame, cell by cell. Nothing here carries a guarantee.
+
+use csat_proto::camera::CameraView;
+use csat_proto::frame::{Frame, Label};
+use csat_proto::message::{OemCell, OemDelta};
+use csat_proto::raster::{Grid, Raster};
+use nalgebra::Vector3;
+
+/// H^CVS (4.23) and the ground seen (4.6), as the cells whose centres fall on Obstacle, Target or
+/// Unknown pixels, or on Ground pixels, no farther than d_max.
+pub fn hidden_and_seen(view: &CameraView, frame: &Frame, grid: Grid) -> (Raster, Raster) {
+    let (mut hidden, mut seen) = (Raster::empty(grid), Raster::empty(grid));
+    for_each_visible_cell(view, frame, grid, |column, row, label| match label {
+        Label::Ground => seen.set(column, row),
+        Label::Obstacle | Label::Target | Label::Unknown => hidden.set(column, row),
+    });
+    (hidden, seen)
+}
+
+/// The cells of the OEM whose centres lie in the clear ground (4.40).
+pub fn empty_cells(view: &CameraView, frame: &Frame, grid: Grid) -> Vec<OemDelta> {
+    let mut cells = Vec::new();
+    for_each_visible_cell(view, frame, grid, |column, row, label| {
+        if label == Label::Ground {
+            let cell = grid.index(column, row) as u32;
+            cells.push(OemDelta { cell, state: OemCell::Empty });
+        }
+    });
+    cells
+}
+
+/// Calls `visit` with every cell whose centre projects into the image, within d_max.
+fn for_each_visible_cell(
+    view: &CameraView,
+    frame: &Frame,
+    grid: Grid,
+    mut visit: impl FnMut(u32, u32, Label),
+) {
+    let model = view.model();
+    let (width, height) = (f64::from(model.columns), f64::from(model.rows));
+    let centre = view.centre_world();
+    let Some((rows, columns)) = footprint_cells(view, &grid) else { return };
+    for row in rows {
+        let y = grid.centre(0, row)[1];
+        for column in columns.clone() {
+            let p = Vector3::new(grid.centre(column, row)[0], y, 0.0);
+            if (p - centre).norm_squared() > model.d_max_m * model.d_max_m {
+                continue;
+            }
+            let Some([c, r]) = view.project(&p) else { continue };
+            if c >= 0.0 && r >= 0.0 && c < width && r < height {
+                let index = r as usize * usize::from(model.columns) + c as usize;
+                visit(column, row, frame.labels[index]);
+            }
+        }
+    }
+}
+
+type Cells = std::ops::Range<u32>;
+
+/// The rows and columns of the box around the footprint.
+fn footprint_cells(view: &CameraView, grid: &Grid) -> Option<(Cells, Cells)> {
+    let footprint = view.footprint();
+    let bound = |axis: usize, pick: fn(f64, f64) -> f64, start: f64| {
+        footprint.iter().map(|p| p[axis]).fold(start, pick)
+    };
+    // The footprint's chords lie inside its arcs: one metre more than makes up for it.
+    const MARGIN_M: f64 = 1.0;
+    (footprint.len() >= 3).then(|| {
+        let (west, east) =
+            (bound(0, f64::min, f64::INFINITY), bound(0, f64::max, f64::NEG_INFINITY));
+        let (south, north) =
+            (bound(1, f64::min, f64::INFINITY), bound(1, f64::max, f64::NEG_INFINITY));
+        (
+            grid.rows_between(south - MARGIN_M, north + MARGIN_M),
+            grid.columns_between(west - MARGIN_M, east + MARGIN_M),
+        )
+    })
+}

@@ -1,0 +1,125 @@
+//! One frame to measured sets (`spec/sets.md` §1, thesis §4.2-4.4, §4.6 and A.2).
+//!
+//! | module | from | to |
+//! |---|---|---|
+//! | [`outline`] | Ground pixels | their outline in the image |
+//! | [`clear`] | that outline | clear ground C (4.6), inner |
+//! | [`pyramid`] | a pixel and its depth | the points that may have lit it (A.2, A.3) |
+//! | [`target`] | Target pixels of a detection | X^{t,m} (4.4), outer |
+//! | [`exclusion`] | X^{t,m} | X̲^{t,m} (4.17), inner |
+//! | [`obstacle`] | Obstacle pixels | S° (4.12), inner, and occupied cells (4.39) |
+//! | [`hidden`] | all labels | H^CVS (4.23), seen ground, empty cells (4.40) |
+
+pub mod clear;
+pub mod exclusion;
+pub mod hidden;
+pub mod obstacle;
+pub mod outline;
+pub mod pyramid;
+pub mod target;
+
+use csat_proto::camera::CameraView;
+use csat_proto::frame::Frame;
+use csat_proto::ids::TargetId;
+use csat_proto::message::OemDelta;
+use csat_proto::raster::Raster;
+use csat_proto::region::Region;
+
+use crate::config::{AgentConfig, Criterion};
+use crate::region::{Disc, Inner, Outer};
+
+/// An identified target in one frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredTarget {
+    /// j.
+    pub target: TargetId,
+    /// X^{t,m}_j: contains the location of j.
+    pub location: Outer,
+    /// X̲^{t,m}_j: contains no other target's location.
+    pub exclusion: Inner,
+}
+
+/// What one frame proves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// C: contains no target location.
+    pub clear_ground: Inner,
+    /// S°: contains no target location, ever. Only what was not measured as well before.
+    pub obstacle_margin: Inner,
+    /// The identified targets, by increasing index.
+    pub targets: Vec<MeasuredTarget>,
+    /// H^CVS: ground hidden in this frame.
+    pub hidden: Raster,
+    /// Ground seen in this frame.
+    pub seen: Raster,
+    /// States to join into the OEM.
+    pub oem: Vec<OemDelta>,
+}
+
+/// Turns frames into measured sets. It remembers only where obstacle margins were already measured,
+/// so as not to measure them again.
+#[derive(Debug, Clone)]
+pub struct Sensor {
+    config: AgentConfig,
+    ground: Region,
+    cylinder: Disc,
+    margins: obstacle::MarginSensor,
+}
+
+impl Sensor {
+    /// A sensor that has seen nothing.
+    pub fn new(config: &AgentConfig) -> Self {
+        let vertices = config.estimator.disc_vertices;
+        Self {
+            ground: Region::rectangle(config.ground.size_m),
+            cylinder: Disc::circumscribed(config.targets.radius_m, vertices),
+            margins: obstacle::MarginSensor::new(config),
+            config: config.clone(),
+        }
+    }
+
+    /// What `frame` proves. Obstacle pixels are not used under `str1`, whose estimator ignores them
+    /// (thesis §5.2.1).
+    pub fn measure(&mut self, frame: &Frame) -> Measured {
+        let view = self.config.camera.at(&frame.pose);
+        let (hidden, seen) = hidden::hidden_and_seen(&view, frame, self.config.raster_grid());
+        let mut measured = Measured {
+            clear_ground: self.clear_ground(&view, frame),
+            obstacle_margin: Inner::default(),
+            targets: self.targets(&view, frame),
+            hidden,
+            seen,
+            oem: Vec::new(),
+        };
+        if self.config.guidance.criterion != Criterion::Str1 {
+            let oem_grid = self.config.oem_grid();
+            let found = self.margins.measure(&view, frame, &self.ground);
+            measured.obstacle_margin = found.margin;
+            measured.oem = found.occupied;
+            measured.oem.extend(hidden::empty_cells(&view, frame, oem_grid));
+        }
+        measured
+    }
+
+    fn clear_ground(&self, view: &CameraView, frame: &Frame) -> Inner {
+        let model = view.model();
+        let tolerance_px = self.config.estimator.outline_tolerance_px;
+        let outline =
+            outline::ground_outline(&frame.labels, model.columns.into(), model.rows.into());
+        let outline = outline::simplified_inward(&outline, tolerance_px);
+        clear::clear_ground(view, &outline, &self.ground)
+    }
+
+    fn targets(&self, view: &CameraView, frame: &Frame) -> Vec<MeasuredTarget> {
+        let knowledge = &self.config.targets;
+        let vertices = self.config.estimator.disc_vertices;
+        let measure = |detection: &csat_proto::frame::Detection| {
+            let location =
+                target::location(view, frame, detection.pixels, &self.cylinder, &self.ground)
+                    .simplified(self.config.estimator.simplify_m2);
+            let exclusion = exclusion::exclusion(&location, knowledge.target_distance_m, vertices);
+            MeasuredTarget { target: detection.target, location, exclusion }
+        };
+        frame.detections.iter().map(measure).collect()
+    }
+}

@@ -1,0 +1,13 @@
+//! What `csat_agent::region` promises, against independent formulations, on random sets.
+//!
+//! Every test runs seeded cases; a failing one prints the command that replays it alone.
+
+mod boolean;
+mod dilate;
+mod disc;
+mod erode;
+mod growth;
+mod limits;
+mod oracle;
+mod shapes;
+mod simplify;
