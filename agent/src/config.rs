@@ -139,7 +139,7 @@ impl Default for GuidanceConfig {
 /// What agents say (`spec/links.md`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ExchangeMode {
-    /// Nothing about sets; plans are still announced.
+    /// Nothing: each UAV is on its own.
     #[serde(rename = "none")]
     None,
     /// All knowledge, every step, as the paper does.

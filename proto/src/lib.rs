@@ -6,6 +6,7 @@
 //! | [`time`] | simulated time and steps |
 //! | [`model`] | what every party agrees on before the start: region, targets, fleet, period |
 //! | [`camera`] | the pinhole camera: rays, projection, image-to-ground homography |
+//! | [`command`] | what agents tell their vehicles |
 //! | [`frame`] | what a camera and its computer-vision system report |
 //! | [`region`] | planar sets on an integer grid |
 //! | [`raster`] | coarse planar sets as bit rows, for what needs no guarantee |
@@ -17,6 +18,7 @@
 
 pub mod agent;
 pub mod camera;
+pub mod command;
 pub mod envelope;
 pub mod frame;
 pub mod ids;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use csat_proto::envelope::Envelope;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::message::{Fact, Message, Plan, Snapshot};
+use csat_proto::raster::Raster;
 use csat_proto::time::Step;
 
 use super::validate::{self, Rejection};
@@ -23,7 +24,12 @@ pub struct Inbox {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Received {
     /// Kept for the next fusion.
-    Knowledge,
+    Knowledge {
+        /// The sender.
+        from: AgentId,
+        /// What its frame could not see.
+        hidden: Raster,
+    },
     /// Somebody's flight plan.
     Plan(AgentId, Plan),
 }
@@ -48,12 +54,20 @@ impl Inbox {
             return Err(Rejection::Incarnation { got: envelope.incarnation.0, known: known.0 });
         }
         self.incarnations.insert(envelope.src, envelope.incarnation);
-        match message {
-            Message::Fact(fact) => self.facts.push(fact),
-            Message::Snapshot(snapshot) => self.snapshots.push(snapshot),
-            Message::Plan(plan) => return Ok(Received::Plan(envelope.src, plan)),
-        }
-        Ok(Received::Knowledge)
+        let from = envelope.src;
+        Ok(match message {
+            Message::Fact(fact) => {
+                let hidden = fact.hidden.clone();
+                self.facts.push(fact);
+                Received::Knowledge { from, hidden }
+            }
+            Message::Snapshot(snapshot) => {
+                let hidden = snapshot.hidden.clone();
+                self.snapshots.push(snapshot);
+                Received::Knowledge { from, hidden }
+            }
+            Message::Plan(plan) => Received::Plan(from, plan),
+        })
     }
 
     /// Whether anything waits that can be applied at `now`.

@@ -2,12 +2,13 @@
 
 use csat_proto::envelope::{Envelope, EnvelopeError};
 use csat_proto::ids::TargetId;
-use csat_proto::message::{Fact, Message, OemDelta, Plan, Snapshot};
+use csat_proto::message::{Fact, Message, OemDelta, Snapshot};
 use csat_proto::raster::Raster;
 use csat_proto::region::{Region, to_units, twice_signed_area};
 use csat_proto::time::Step;
 
 use crate::config::AgentConfig;
+use crate::guidance::schedule::PlanError;
 
 /// Why a message was dropped.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -89,9 +90,9 @@ pub enum Rejection {
         /// Number of cells.
         cells: usize,
     },
-    /// A pose that is not finite, or more poses than blocks.
-    #[error("an impossible flight plan")]
-    Plan,
+    /// A flight plan that cannot be.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
 }
 
 impl Rejection {
@@ -113,7 +114,7 @@ impl Rejection {
             Self::Targets => "targets",
             Self::Grid => "grid",
             Self::Cell { .. } => "cell",
-            Self::Plan => "plan",
+            Self::Plan(_) => "plan",
         }
     }
 }
@@ -126,7 +127,8 @@ pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Mes
     let body = match &message {
         Message::Fact(fact) => check_fact(config, fact).map(|()| fact.step),
         Message::Snapshot(snapshot) => check_snapshot(config, snapshot).map(|()| snapshot.step),
-        Message::Plan(plan) => check_plan(config, plan).map(|()| plan.step),
+        // The scheduler checks plans: what is possible depends on the schedule.
+        Message::Plan(plan) => Ok(plan.step),
     }?;
     if body != envelope.step {
         return Err(Rejection::Step { header: envelope.step.0, body: body.0 });
@@ -169,16 +171,6 @@ fn check_snapshot(config: &AgentConfig, snapshot: &Snapshot) -> Result<(), Rejec
     let regions = [&snapshot.unexplored, &snapshot.obstacle_margin].into_iter();
     check_regions(config, regions.chain(snapshot.targets.iter().map(|(_, set)| set)))?;
     check_coarse(config, [&snapshot.hidden, &snapshot.seen], &snapshot.oem)
-}
-
-fn check_plan(config: &AgentConfig, plan: &Plan) -> Result<(), Rejection> {
-    let finite = plan.poses.iter().all(|pose| {
-        pose.p_world.iter().chain(&[pose.yaw_rad]).all(|x| x.is_finite())
-            && pose.pitch_rad.is_finite()
-            && pose.roll_rad.is_finite()
-    });
-    let fits = plan.poses.len() <= usize::from(config.guidance.n_mpc) && plan.pass <= 1;
-    if finite && fits { Ok(()) } else { Err(Rejection::Plan) }
 }
 
 fn check_targets(targets: impl Iterator<Item = TargetId>) -> Result<(), Rejection> {

@@ -1,1 +1,280 @@
-//! x
+//! Who plans when, and with which plans of the others (thesis §5.3.2).
+//!
+//! A decision is due every T_MPC. Within one, each UAV plans once, or twice with a loopback, and
+//! announces each result. The sequential schedules wait for the plans they build on, but not for
+//! ever: UAV i of N gives up waiting in pass p at a share (p·N + i + 1)/(passes·N) of
+//! `plan_timeout_s` into the decision. These deadlines come in the order of planning, so that the
+//! order holds even when nobody is heard, and a plan that is a slot late still finds its reader
+//! waiting. Whoever was given up on is not waited for again until heard from: a dead neighbour costs
+//! one delay, not one per decision.
+//!
+//! [`Scheduler`] has no clock: it is told the time.
+
+use csat_proto::camera::Pose;
+use csat_proto::ids::AgentId;
+use csat_proto::message::Plan;
+use csat_proto::time::{SimTime, Step};
+
+use super::rollout::Motion;
+use crate::config::{AgentConfig, Schedule};
+
+/// A planning pass that may begin now.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pass {
+    /// The step of the decision, for the announcement.
+    pub step: Step,
+    /// 0, or 1 in the loopback.
+    pub pass: u8,
+    /// Whether the command follows from this pass.
+    pub last: bool,
+    /// The neighbours to account for, by increasing index.
+    pub neighbours: Vec<AgentId>,
+    /// Their poses at the ends of the N_MPC blocks from this decision on, in the same order.
+    pub poses: Vec<Vec<Pose>>,
+}
+
+/// Why a plan was not taken over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum PlanError {
+    /// Not a neighbour's index.
+    #[error("plan of UAV {from}, which is not a neighbour of UAV {own} in a fleet of {count}")]
+    NotANeighbour {
+        /// The sender.
+        from: AgentId,
+        /// This agent.
+        own: AgentId,
+        /// N^u.
+        count: u16,
+    },
+    /// No decision is made then, or that one is not yet due.
+    #[error("plan for step {got}: decisions are every {blocks} steps and step {max} is the latest")]
+    NoSuchDecision {
+        /// The plan's step.
+        got: Step,
+        /// Steps between decisions.
+        blocks: u32,
+        /// The latest step a plan may be for.
+        max: Step,
+    },
+    /// The schedule has no such pass.
+    #[error("plan of pass {got}: there are {passes}")]
+    NoSuchPass {
+        /// The plan's pass.
+        got: u8,
+        /// Passes of the schedule.
+        passes: u8,
+    },
+    /// No pose, or one that is not finite, or more than any horizon holds.
+    #[error("plan of {got} poses: expected 1 to 255 finite ones")]
+    Poses {
+        /// How many there are.
+        got: usize,
+    },
+}
+
+/// What is known of one neighbour.
+#[derive(Debug, Clone, Default)]
+struct Neighbour {
+    /// Its last plan.
+    latest: Option<Plan>,
+    /// Its last plan of an earlier decision than `latest`.
+    earlier: Option<Plan>,
+    /// Given up on, and not heard from since.
+    silent: bool,
+}
+
+/// Where the current decision stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// Nothing to plan until the next instant.
+    Idle,
+    /// This pass is to be planned, as soon as nothing is waited for.
+    Pass(u8),
+}
+
+/// The schedule of one agent.
+#[derive(Debug, Clone)]
+pub struct Scheduler {
+    own: usize,
+    schedule: Schedule,
+    motion: Motion,
+    blocks: usize,
+    steps_per_block: u32,
+    period_s: f64,
+    timeout_s: f64,
+    passes: u8,
+    /// By index; the own entry stays empty.
+    fleet: Vec<Neighbour>,
+    start: SimTime,
+    step: Step,
+    stage: Stage,
+}
+
+impl Scheduler {
+    /// The schedule of `config.guidance`, before its first instant.
+    pub fn new(config: &AgentConfig) -> Self {
+        let guidance = &config.guidance;
+        let count = usize::from(config.fleet.count.max(config.id.0.saturating_add(1)));
+        let loopback = guidance.schedule == Schedule::SequentialLoopback && count > 1;
+        Self {
+            own: usize::from(config.id.0),
+            schedule: guidance.schedule,
+            motion: Motion::new(config),
+            blocks: usize::from(guidance.n_mpc.max(1)),
+            steps_per_block: (guidance.period_s / config.period_s).round().max(1.0) as u32,
+            period_s: config.period_s,
+            // A decision that outlived its block would never be flown.
+            timeout_s: guidance.plan_timeout_s.clamp(0.0, 0.99 * guidance.period_s),
+            passes: if loopback { 2 } else { 1 },
+            fleet: vec![Neighbour::default(); count],
+            start: SimTime(0),
+            step: Step(0),
+            stage: Stage::Idle,
+        }
+    }
+
+    /// Whether a decision is due at a step: every T_MPC, from t = 0 on.
+    pub fn decides_at(&self, step: Step) -> bool {
+        step.0.is_multiple_of(self.steps_per_block)
+    }
+
+    /// A decision instant has begun. What is left of the decision before is dropped.
+    pub fn on_instant(&mut self, now: SimTime) {
+        self.start = now;
+        self.step = Step((now.seconds() / self.period_s).round() as u32);
+        self.stage = Stage::Pass(0);
+    }
+
+    /// A neighbour's plan arrived; of any decision, in any order, any number of times.
+    pub fn on_plan(&mut self, from: AgentId, plan: &Plan) -> Result<(), PlanError> {
+        self.check(from, plan)?;
+        let neighbour = &mut self.fleet[usize::from(from.0)];
+        neighbour.silent = false;
+        let age = |known: &Option<Plan>| known.as_ref().map(|known| (known.step, known.pass));
+        let stamp = Some((plan.step, plan.pass));
+        if stamp > age(&neighbour.latest) {
+            let previous = neighbour.latest.replace(plan.clone());
+            if previous.as_ref().is_some_and(|previous| previous.step < plan.step) {
+                neighbour.earlier = previous;
+            }
+        } else if stamp > age(&neighbour.earlier)
+            && neighbour.latest.as_ref().is_some_and(|latest| plan.step < latest.step)
+        {
+            neighbour.earlier = Some(plan.clone());
+        }
+        Ok(())
+    }
+
+    /// A plan is the last thing to trust blindly: one from the far future would outlast all others.
+    fn check(&self, from: AgentId, plan: &Plan) -> Result<(), PlanError> {
+        let index = usize::from(from.0);
+        if index == self.own || index >= self.fleet.len() {
+            let own = AgentId(self.own as u16);
+            return Err(PlanError::NotANeighbour { from, own, count: self.fleet.len() as u16 });
+        }
+        // The sender may have begun the next decision before this agent did.
+        let max = Step(self.step.0.saturating_add(self.steps_per_block));
+        if plan.step > max || !self.decides_at(plan.step) {
+            let blocks = self.steps_per_block;
+            return Err(PlanError::NoSuchDecision { got: plan.step, blocks, max });
+        }
+        if plan.pass >= self.passes {
+            return Err(PlanError::NoSuchPass { got: plan.pass, passes: self.passes });
+        }
+        let finite =
+            |pose: &Pose| pose.p_world.iter().all(|v| v.is_finite()) && pose.yaw_rad.is_finite();
+        if !(1..=255).contains(&plan.poses.len()) || !plan.poses.iter().all(finite) {
+            return Err(PlanError::Poses { got: plan.poses.len() });
+        }
+        Ok(())
+    }
+
+    /// The own plan of a pass was made and announced. True when it was the last pass: its first
+    /// increment is the command. A plan of another pass than the current one changes nothing.
+    pub fn on_own_plan(&mut self, plan: &Plan) -> bool {
+        if plan.step != self.step || self.stage != Stage::Pass(plan.pass) {
+            return false;
+        }
+        let last = plan.pass + 1 >= self.passes;
+        self.stage = if last { Stage::Idle } else { Stage::Pass(plan.pass + 1) };
+        last
+    }
+
+    /// Time has come to `now`: past the deadline, those still waited for are given up on.
+    pub fn on_timeout(&mut self, now: SimTime) {
+        if self.next_deadline().is_some_and(|deadline| deadline <= now) {
+            let awaited: Vec<usize> = self.awaited().collect();
+            awaited.into_iter().for_each(|index| self.fleet[index].silent = true);
+        }
+    }
+
+    /// When to call [`Self::on_timeout`]: the end of the current wait; `None` when nothing is waited
+    /// for.
+    pub fn next_deadline(&self) -> Option<SimTime> {
+        let Stage::Pass(pass) = self.stage else { return None };
+        self.awaited().next()?;
+        let count = self.fleet.len();
+        let slot = (usize::from(pass) * count + self.own + 1) as f64;
+        let slots = (usize::from(self.passes) * count) as f64;
+        Some(self.start.after(self.timeout_s * slot / slots))
+    }
+
+    /// The pass this agent may plan now.
+    pub fn ready(&self) -> Option<Pass> {
+        let Stage::Pass(pass) = self.stage else { return None };
+        if self.awaited().next().is_some() {
+            return None;
+        }
+        let (mut neighbours, mut poses) = (Vec::new(), Vec::new());
+        for index in self.accounted_for(pass) {
+            if let Some(plan) = self.known_plan(index) {
+                let elapsed = (self.step.0 - plan.step.0) / self.steps_per_block;
+                neighbours.push(AgentId(index as u16));
+                poses.push(self.motion.forecast(&plan.poses, elapsed as usize, self.blocks));
+            }
+        }
+        Some(Pass { step: self.step, pass, last: pass + 1 >= self.passes, neighbours, poses })
+    }
+
+    /// Whose plans the current pass waits for: those it builds on that have not said theirs.
+    fn awaited(&self) -> impl Iterator<Item = usize> + '_ {
+        let pass = match (self.stage, self.schedule) {
+            (Stage::Idle, _) | (_, Schedule::Asynchronous) => None,
+            (Stage::Pass(pass), _) => Some(pass),
+        };
+        pass.into_iter()
+            .flat_map(|pass| self.accounted_for(pass).map(move |index| (pass, index)))
+            .filter_map(|(pass, index)| {
+                // In the loopback, those before this one have planned again, those after it not yet.
+                let needed = if index < self.own { pass } else { 0 };
+                let neighbour = &self.fleet[index];
+                let said = neighbour.latest.as_ref().map(|plan| (plan.step, plan.pass));
+                let missing = said < Some((self.step, needed));
+                (missing && !neighbour.silent).then_some(index)
+            })
+    }
+
+    /// Whom a pass accounts for: in the first sequential one only those before this agent.
+    fn accounted_for(&self, pass: u8) -> impl Iterator<Item = usize> + use<> {
+        let all = pass > 0 || self.schedule == Schedule::Asynchronous;
+        let end = if all { self.fleet.len() } else { self.own };
+        let own = self.own;
+        (0..end).filter(move |&index| index != own)
+    }
+
+    /// The newest usable plan of a neighbour: none from after this decision, and in the asynchronous
+    /// schedule none from this decision, so that it does not matter who is scheduled first.
+    fn known_plan(&self, index: usize) -> Option<&Plan> {
+        let neighbour = &self.fleet[index];
+        let usable = |plan: &&Plan| match self.schedule {
+            Schedule::Asynchronous => plan.step < self.step,
+            Schedule::Sequential | Schedule::SequentialLoopback => plan.step <= self.step,
+        };
+        let known = [&neighbour.latest, &neighbour.earlier];
+        known.into_iter().flatten().find(usable)
+    }
+}
+
+#[cfg(test)]
+#[path = "schedule_tests.rs"]
+mod tests;

@@ -1,0 +1,267 @@
+//! Fleets of schedulers on one bus.
+
+use csat_proto::camera::CameraModel;
+use csat_proto::ids::{Incarnation, RunId};
+use csat_proto::model::{FleetModel, Ground, TargetsModel};
+
+use super::*;
+use crate::config::{EstimatorConfig, ExchangeConfig, GuidanceConfig};
+
+fn config(id: u16, count: u16, schedule: Schedule) -> AgentConfig {
+    AgentConfig {
+        run: RunId(1),
+        id: AgentId(id),
+        incarnation: Incarnation(0),
+        period_s: 0.5,
+        ground: Ground { size_m: [500.0; 2] },
+        targets: TargetsModel::default(),
+        fleet: FleetModel { count, ..FleetModel::default() },
+        camera: CameraModel::default(),
+        estimator: EstimatorConfig::default(),
+        guidance: GuidanceConfig { schedule, ..GuidanceConfig::default() },
+        exchange: ExchangeConfig::default(),
+    }
+}
+
+/// A pose that tells who planned it, when and in which pass.
+fn pose(agent: u16, step: Step, pass: u8, block: u32) -> Pose {
+    let x = f64::from(agent) * 1000.0 + f64::from(pass) * 100.0;
+    Pose::level([x, f64::from(step.0 + block * 6), 52.0], 0.0)
+}
+
+fn plan(agent: u16, step: Step, pass: u8) -> Plan {
+    Plan { step, pass, poses: (1..3).map(|block| pose(agent, step, pass, block)).collect() }
+}
+
+/// One planning event: when, who, which pass, accounting for whom.
+type Event = (SimTime, u16, u8, Vec<u16>);
+
+/// Runs one decision of a fleet; `alive` plan and hear each other after `delay_s`.
+fn run(
+    fleet: &mut [Scheduler],
+    alive: &[u16],
+    start: SimTime,
+    delay_s: f64,
+) -> (Vec<Event>, Vec<u16>) {
+    let (mut events, mut commanded, mut now) = (Vec::new(), Vec::new(), start);
+    let mut in_flight: Vec<(SimTime, u16, Plan)> = Vec::new();
+    alive.iter().for_each(|&i| fleet[usize::from(i)].on_instant(start));
+    loop {
+        for &i in alive {
+            let scheduler = &mut fleet[usize::from(i)];
+            scheduler.on_timeout(now);
+            while let Some(pass) = scheduler.ready() {
+                let heard = pass.neighbours.iter().map(|id| id.0).collect();
+                events.push((now, i, pass.pass, heard));
+                let plan = plan(i, pass.step, pass.pass);
+                assert_eq!(scheduler.on_own_plan(&plan), pass.last);
+                commanded.extend(pass.last.then_some(i));
+                in_flight.push((now.after(delay_s), i, plan));
+            }
+        }
+        let deadlines = alive.iter().filter_map(|&i| fleet[usize::from(i)].next_deadline());
+        let Some(next) = in_flight.iter().map(|&(at, ..)| at).chain(deadlines).min() else { break };
+        now = next;
+        let (due, later) = in_flight.into_iter().partition(|&(at, ..)| at <= now);
+        in_flight = later;
+        let due: Vec<(SimTime, u16, Plan)> = due;
+        for (_, from, plan) in due {
+            for &to in alive.iter().filter(|&&to| to != from) {
+                fleet[usize::from(to)].on_plan(AgentId(from), &plan).unwrap();
+            }
+        }
+    }
+    (events, commanded)
+}
+
+fn fleet(schedule: Schedule) -> Vec<Scheduler> {
+    (0..3).map(|id| Scheduler::new(&config(id, 3, schedule))).collect()
+}
+
+fn order(events: &[Event]) -> Vec<(u16, u8, Vec<u16>)> {
+    events.iter().map(|(_, id, pass, heard)| (*id, *pass, heard.clone())).collect()
+}
+
+#[test]
+fn sequential_is_by_index_and_looks_back_only() {
+    let mut fleet = fleet(Schedule::Sequential);
+    for decision in 0..3 {
+        let start = SimTime::from_seconds(3.0 * f64::from(decision));
+        let (events, commanded) = run(&mut fleet, &[0, 1, 2], start, 0.01);
+        assert_eq!(order(&events), [(0, 0, vec![]), (1, 0, vec![0]), (2, 0, vec![0, 1])]);
+        assert_eq!(commanded, [0, 1, 2]);
+        assert!((events[2].0.seconds_since(start) - 0.02).abs() < 1e-6, "no time was lost");
+    }
+}
+
+#[test]
+fn the_loopback_accounts_for_everybody() {
+    let mut fleet = fleet(Schedule::SequentialLoopback);
+    for decision in 0..3 {
+        let start = SimTime::from_seconds(3.0 * f64::from(decision));
+        let (events, commanded) = run(&mut fleet, &[0, 1, 2], start, 0.01);
+        let first = [(0, 0, vec![]), (1, 0, vec![0]), (2, 0, vec![0, 1])];
+        let second = [(0, 1, vec![1, 2]), (1, 1, vec![0, 2]), (2, 1, vec![0, 1])];
+        assert_eq!(order(&events), [first, second].concat());
+        assert_eq!(commanded, [0, 1, 2]);
+    }
+}
+
+#[test]
+fn the_loopback_waits_for_the_right_passes() {
+    let mut middle = Scheduler::new(&config(1, 3, Schedule::SequentialLoopback));
+    let step = Step(6);
+    middle.on_instant(SimTime::from_seconds(3.0));
+    assert_eq!(middle.ready(), None);
+    middle.on_plan(AgentId(2), &plan(2, step, 0)).unwrap();
+    assert_eq!(middle.ready(), None, "the first pass waits for those before");
+    middle.on_plan(AgentId(0), &plan(0, step, 0)).unwrap();
+    let pass = middle.ready().unwrap();
+    assert_eq!((pass.pass, pass.last, &pass.neighbours[..]), (0, false, &[AgentId(0)][..]));
+    assert!(!middle.on_own_plan(&plan(1, step, 0)));
+    assert_eq!(middle.ready(), None, "the second pass waits for the second plan of UAV 0");
+    middle.on_plan(AgentId(0), &plan(0, step, 1)).unwrap();
+    let pass = middle.ready().unwrap();
+    assert_eq!((pass.pass, pass.last), (1, true));
+    assert_eq!(pass.poses[0], plan(0, step, 1).poses, "of UAV 0 the second plan");
+    assert_eq!(pass.poses[1], plan(2, step, 0).poses, "of UAV 2 the first");
+    assert!(!middle.on_own_plan(&plan(1, step, 0)), "a stale pass is ignored");
+    assert!(middle.ready().is_some());
+    assert!(middle.on_own_plan(&plan(1, step, 1)));
+    assert_eq!((middle.ready(), middle.next_deadline()), (None, None));
+}
+
+#[test]
+fn asynchronous_plans_at_once_with_the_plans_before() {
+    let mut fleet = fleet(Schedule::Asynchronous);
+    let (events, _) = run(&mut fleet, &[0, 1, 2], SimTime(0), 0.01);
+    assert_eq!(order(&events), [(0, 0, vec![]), (1, 0, vec![]), (2, 0, vec![])]);
+    let start = SimTime::from_seconds(3.0);
+    // A plan of this very decision is there already, but it must not matter who comes first.
+    fleet[0].on_plan(AgentId(2), &plan(2, Step(6), 0)).unwrap();
+    fleet[0].on_instant(start);
+    let pass = fleet[0].ready().unwrap();
+    assert_eq!(pass.neighbours, [AgentId(1), AgentId(2)]);
+    // One block of the old plan is over; after the other it goes on straight, 15 m a block.
+    let old = plan(2, Step(0), 0).poses[1];
+    let on = Pose::level([old.p_world[0] + 15.0, old.p_world[1], old.p_world[2]], 0.0);
+    assert_eq!(pass.poses[1], [old, on]);
+    let (events, commanded) = run(&mut fleet, &[0, 1, 2], start, 0.01);
+    assert!(events.iter().all(|(at, _, _, heard)| *at == start && heard.len() == 2));
+    assert_eq!(commanded, [0, 1, 2]);
+}
+
+#[test]
+fn a_silent_neighbour_costs_one_delay_and_nobody_misses_the_decision() {
+    for schedule in [Schedule::Sequential, Schedule::SequentialLoopback] {
+        for dead in 0..3 {
+            let mut fleet = fleet(schedule);
+            let alive: Vec<u16> = (0..3).filter(|&id| id != dead).collect();
+            let mut last_plan_s = Vec::new();
+            for decision in 0..3 {
+                let start = SimTime::from_seconds(3.0 * f64::from(decision));
+                let (events, commanded) = run(&mut fleet, &alive, start, 0.01);
+                assert_eq!(commanded, alive, "in order, {schedule:?} without {dead}");
+                let last = events.last().unwrap().0.seconds_since(start);
+                assert!(last <= 0.4, "{last}");
+                last_plan_s.push(last);
+            }
+            let nobody_waits = schedule == Schedule::Sequential && dead == 2;
+            assert_eq!(last_plan_s[0] > 0.1, !nobody_waits, "{last_plan_s:?}");
+            assert!(last_plan_s[1] < 0.05 && last_plan_s[2] < 0.05, "{last_plan_s:?}");
+            // Back again: from then on it is waited for.
+            run(&mut fleet, &[0, 1, 2], SimTime::from_seconds(9.0), 0.01);
+            let (events, _) = run(&mut fleet, &[0, 1, 2], SimTime::from_seconds(12.0), 0.01);
+            assert_eq!(order(&events)[2], (2, 0, vec![0, 1]));
+        }
+    }
+}
+
+/// With links that carry nothing the deadlines alone keep the order.
+#[test]
+fn nobody_heard_still_means_in_order() {
+    let mut fleet = fleet(Schedule::SequentialLoopback);
+    let mut times = Vec::new();
+    for (index, scheduler) in fleet.iter_mut().enumerate() {
+        let mut now = SimTime(0);
+        scheduler.on_instant(now);
+        for expected_pass in 0..2 {
+            if let Some(deadline) = scheduler.next_deadline() {
+                scheduler.on_timeout(SimTime(deadline.0 - 1));
+                assert_eq!(scheduler.ready(), None, "not a moment too early");
+                scheduler.on_timeout(deadline);
+                now = deadline;
+            }
+            let pass = scheduler.ready().unwrap();
+            assert_eq!((pass.pass, pass.neighbours.len()), (expected_pass, 0));
+            times.push((expected_pass, index, now));
+            scheduler.on_own_plan(&plan(index as u16, Step(0), expected_pass));
+        }
+    }
+    times.sort();
+    let firsts: Vec<SimTime> = times[..3].iter().map(|&(.., at)| at).collect();
+    assert!(firsts.is_sorted_by(|a, b| a < b), "{firsts:?}");
+    assert!(times.iter().all(|&(.., at)| at <= SimTime::from_seconds(0.4)));
+}
+
+#[test]
+fn a_late_plan_only_updates_what_is_known() {
+    let mut last = Scheduler::new(&config(1, 2, Schedule::Sequential));
+    last.on_instant(SimTime(0));
+    last.on_timeout(SimTime::from_seconds(0.4));
+    assert_eq!(last.ready().unwrap().neighbours, []);
+    last.on_own_plan(&plan(1, Step(0), 0));
+    last.on_instant(SimTime::from_seconds(3.0));
+    assert!(last.ready().is_some(), "given up on, so not waited for");
+    // The plan of decision 0 arrives in decision 6: its sender lives, so it is waited for again.
+    last.on_plan(AgentId(0), &plan(0, Step(0), 0)).unwrap();
+    assert_eq!(last.ready(), None);
+    last.on_timeout(SimTime::from_seconds(3.4));
+    let pass = last.ready().unwrap();
+    assert_eq!(
+        pass.poses[0][0],
+        plan(0, Step(0), 0).poses[1],
+        "its second block is the current one"
+    );
+    // Newer, older, repeated: the newest counts.
+    last.on_plan(AgentId(0), &plan(0, Step(6), 0)).unwrap();
+    last.on_plan(AgentId(0), &plan(0, Step(0), 0)).unwrap();
+    assert_eq!(last.ready().unwrap().poses[0], plan(0, Step(6), 0).poses);
+    // Early: for the next decision, and of no use before.
+    last.on_plan(AgentId(0), &plan(0, Step(12), 0)).unwrap();
+    assert_eq!(last.ready().unwrap().poses[0], plan(0, Step(6), 0).poses);
+    last.on_own_plan(&plan(1, Step(6), 0));
+    last.on_instant(SimTime::from_seconds(6.0));
+    assert_eq!(last.ready().unwrap().poses[0], plan(0, Step(12), 0).poses);
+}
+
+#[test]
+fn impossible_plans_are_refused() {
+    let mut scheduler = Scheduler::new(&config(1, 3, Schedule::Sequential));
+    scheduler.on_instant(SimTime::from_seconds(3.0));
+    let good = plan(0, Step(6), 0);
+    let refused = [
+        (1, good.clone()),
+        (3, good.clone()),
+        (0, plan(0, Step(18), 0)),
+        (0, plan(0, Step(7), 0)),
+        (0, plan(0, Step(6), 1)),
+        (0, Plan { poses: vec![], ..good.clone() }),
+        (0, Plan { poses: vec![Pose::level([f64::NAN, 0.0, 0.0], 0.0)], ..good.clone() }),
+    ];
+    for (from, plan) in refused {
+        assert!(scheduler.on_plan(AgentId(from), &plan).is_err(), "{from} {plan:?}");
+        assert_eq!(scheduler.ready(), None);
+    }
+    scheduler.on_plan(AgentId(0), &good).unwrap();
+    assert!(scheduler.ready().is_some());
+}
+
+#[test]
+fn a_lone_uav_plans_once() {
+    let mut fleet = [Scheduler::new(&config(0, 1, Schedule::SequentialLoopback))];
+    assert!(fleet[0].decides_at(Step(0)) && fleet[0].decides_at(Step(6)));
+    assert!(!fleet[0].decides_at(Step(5)));
+    let (events, commanded) = run(&mut fleet, &[0], SimTime(0), 0.01);
+    assert_eq!((order(&events), commanded), (vec![(0, 0, vec![])], vec![0]));
+}
