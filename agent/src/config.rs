@@ -51,8 +51,10 @@ impl AgentConfig {
 pub struct EstimatorConfig {
     /// Corners of the regular polygons that stand for discs.
     pub disc_vertices: u16,
-    /// Area that one simplification move may give away, square metres.
-    pub simplify_m2: f64,
+    /// How far a simplification may shift the border of a set, metres.
+    pub simplify_m: f64,
+    /// The same for the obstacle margin, which is scalloped by nature, metres.
+    pub simplify_margin_m: f64,
     /// How far corners of the clear ground's outline in the image may be cut, pixels.
     pub outline_tolerance_px: f64,
     /// Cell of the coarse sets (hidden ground, planning), metres.
@@ -65,7 +67,8 @@ impl Default for EstimatorConfig {
     fn default() -> Self {
         Self {
             disc_vertices: 16,
-            simplify_m2: 0.05,
+            simplify_m: 0.15,
+            simplify_margin_m: 0.3,
             outline_tolerance_px: 1.0,
             raster_cell_m: 2.0,
             oem_cell_m: 5.0,

@@ -26,9 +26,9 @@ pub struct Transmit {
 /// `handle_message` and `handle_timeout` until nothing is left for that instant.
 pub trait Agent: Send {
     /// What the agent tells its vehicle.
-    type Command;
+    type Command: Send;
     /// What the agent reports to whoever observes it.
-    type Event;
+    type Event: Send;
 
     /// A frame of the agent's own camera arrived.
     fn handle_frame(&mut self, now: SimTime, frame: &Frame);

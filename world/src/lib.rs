@@ -3,6 +3,9 @@
 
 pub mod camera;
 pub mod map;
+pub mod obstacle;
+mod plane;
+mod random;
 pub mod road;
 pub mod scene;
 pub mod target;

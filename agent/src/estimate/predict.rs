@@ -10,7 +10,8 @@ use crate::region::Disc;
 #[derive(Debug, Clone)]
 pub struct Predictor {
     reach: Disc,
-    simplify_m2: f64,
+    simplify_m: f64,
+    simplify_margin_m: f64,
     hidden_steps: u32,
 }
 
@@ -22,7 +23,8 @@ impl Predictor {
         let radius_m = config.targets.v_max_m_s * config.period_s;
         Self {
             reach: Disc::circumscribed(radius_m, config.estimator.disc_vertices),
-            simplify_m2: config.estimator.simplify_m2,
+            simplify_m: config.estimator.simplify_m,
+            simplify_margin_m: config.estimator.simplify_margin_m,
             hidden_steps: (horizon_s / config.period_s).round() as u32,
         }
     }
@@ -41,12 +43,12 @@ impl Predictor {
     fn advance_one(&self, knowledge: &mut Knowledge) {
         let ground = knowledge.ground().clone();
         for set in knowledge.targets.values_mut() {
-            *set = std::mem::take(set).simplified(self.simplify_m2).dilated(&self.reach, &ground);
+            *set = std::mem::take(set).simplified(self.simplify_m).dilated(&self.reach, &ground);
         }
         let unexplored = std::mem::take(&mut knowledge.unexplored);
         knowledge.unexplored =
-            unexplored.simplified(self.simplify_m2).dilated(&self.reach, &ground);
-        knowledge.margin = std::mem::take(&mut knowledge.margin).simplified(self.simplify_m2);
+            unexplored.simplified(self.simplify_m).dilated(&self.reach, &ground);
+        knowledge.margin = std::mem::take(&mut knowledge.margin).simplified(self.simplify_margin_m);
         knowledge.step = Step(knowledge.step.0 + 1);
     }
 }

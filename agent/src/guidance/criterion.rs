@@ -120,17 +120,7 @@ impl Sight {
         match self.occlusion {
             Occlusion::None => bits,
             Occlusion::Now => hidden_now.map_or(bits, |hidden| bits & !hidden.row(row)[word]),
-            Occlusion::Oem => {
-                let (mut seen, mut rest) = (bits, bits);
-                while rest != 0 {
-                    let bit = rest.trailing_zeros();
-                    rest &= rest - 1;
-                    if self.caster.hides(word as u32 * 64 + bit, row) {
-                        seen &= !(1 << bit);
-                    }
-                }
-                seen
-            }
+            Occlusion::Oem => bits & !self.caster.hidden_bits(row, word, bits),
         }
     }
 
@@ -140,10 +130,8 @@ impl Sight {
         self.towers.load(oem);
         self.caster.cast(&self.towers, pose.p_world, footprint.corners());
         let mut hidden = Raster::empty(self.grid);
-        for (column, row) in footprint.raster(self.grid).iter() {
-            if self.caster.hides(column, row) {
-                hidden.set(column, row);
-            }
+        for (row, word, bits) in footprint.words() {
+            hidden.row_mut(row)[word] |= self.caster.hidden_bits(row, word, bits);
         }
         hidden
     }

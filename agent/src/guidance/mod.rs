@@ -167,4 +167,6 @@ impl Planner {
 }
 
 #[cfg(test)]
+mod brute_tests;
+#[cfg(test)]
 mod tests;

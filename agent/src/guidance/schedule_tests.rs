@@ -1,26 +1,15 @@
 //! Fleets of schedulers on one bus.
 
-use csat_proto::camera::CameraModel;
-use csat_proto::ids::{Incarnation, RunId};
-use csat_proto::model::{FleetModel, Ground, TargetsModel};
-
+use super::super::tests::default_config;
 use super::*;
-use crate::config::{EstimatorConfig, ExchangeConfig, GuidanceConfig};
+use crate::config::GuidanceConfig;
 
 fn config(id: u16, count: u16, schedule: Schedule) -> AgentConfig {
-    AgentConfig {
-        run: RunId(1),
-        id: AgentId(id),
-        incarnation: Incarnation(0),
-        period_s: 0.5,
-        ground: Ground { size_m: [500.0; 2] },
-        targets: TargetsModel::default(),
-        fleet: FleetModel { count, ..FleetModel::default() },
-        camera: CameraModel::default(),
-        estimator: EstimatorConfig::default(),
-        guidance: GuidanceConfig { schedule, ..GuidanceConfig::default() },
-        exchange: ExchangeConfig::default(),
-    }
+    let mut config = default_config();
+    config.id = AgentId(id);
+    config.fleet.count = count;
+    config.guidance = GuidanceConfig { schedule, ..GuidanceConfig::default() };
+    config
 }
 
 /// A pose that tells who planned it, when and in which pass.

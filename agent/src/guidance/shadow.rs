@@ -128,41 +128,53 @@ impl Caster {
         let least = across[0] / if across[0] < 0.0 { near } else { far };
         let most = across[1] / if across[1] > 0.0 { near } else { far };
         let half_rays = 0.5 * self.rays as f64;
-        let first = ((least + 1.0) * half_rays - 0.5).ceil().max(0.0) as usize;
-        let end = ((most + 1.0) * half_rays + 0.5).floor().clamp(0.0, self.rays as f64) as usize;
-        let sign = quadrant.sign();
-        let phase = sign * self.phase[quadrant.axis()];
-        let last_bin = (self.words * 64 - 1) as f64;
+        let first = ceil((least + 1.0) * half_rays - 0.5);
+        let end = ceil((most + 1.0) * half_rays - 0.5).min(self.rays);
+        let phase = quadrant.sign() * self.phase[quadrant.axis()];
+        let (per_ray, per_cell) = (1.0 / half_rays, 1.0 / self.cell_m);
         for ray in first..end {
-            let slope = (ray as f64 + 0.5) / half_rays - 1.0;
-            let (a, b) = (across[0] / slope, across[1] / slope);
+            let per_slope = 1.0 / ((ray as f64 + 0.5) * per_ray - 1.0);
+            let (a, b) = (across[0] * per_slope, across[1] * per_slope);
             let (enter, leave) = (near.max(a.min(b)), far.min(a.max(b)));
-            let first_bin = ((enter - phase) / self.cell_m).ceil().max(0.0);
-            let end_bin = ((leave * stretch - phase) / self.cell_m).floor().min(last_bin);
-            if enter <= leave && first_bin <= end_bin {
+            let first_bin = ceil((enter - phase) * per_cell);
+            // One past the last cell; a cell exactly at the end of the shadow is not worth a test.
+            let end_bin = ceil((leave * stretch - phase) * per_cell).min(self.words * 64);
+            if enter <= leave && first_bin < end_bin {
                 let start = (quadrant as usize * self.rays + ray) * self.words;
-                let words = &mut self.bits[start..start + self.words];
-                set_bits(words, first_bin as usize, end_bin as usize);
+                set_bits(&mut self.bits[start..start + self.words], first_bin, end_bin - 1);
             }
         }
     }
 
-    /// Whether the cell is hidden from the last pose. Defined within the footprint given to
-    /// [`Self::cast`]; exact but for a cell whose border the shadow's border crosses.
-    pub(super) fn hides(&self, column: u32, row: u32) -> bool {
-        let cells = [i64::from(column) - self.foot_cell[0], i64::from(row) - self.foot_cell[1]];
-        let d = [0, 1].map(|axis| cells[axis] as f64 * self.cell_m + self.phase[axis]);
-        let (along, quadrant) = match (d[0].abs() >= d[1].abs(), d[0] < 0.0, d[1] < 0.0) {
-            (true, false, _) => (0, Quadrant::East),
-            (true, true, _) => (0, Quadrant::West),
-            (false, _, false) => (1, Quadrant::North),
-            (false, _, true) => (1, Quadrant::South),
-        };
-        let slope = d[1 - along] / d[along].abs();
-        let ray = ((slope + 1.0) * 0.5 * self.rays as f64) as usize;
-        let start = (quadrant as usize * self.rays + ray.min(self.rays - 1)) * self.words;
-        let bin = cells[along].unsigned_abs() as usize;
-        bin / 64 < self.words && self.bits[start + bin / 64] >> (bin % 64) & 1 == 1
+    /// Those of `bits`, cells of one word of one row, that are hidden from the last pose. Defined
+    /// within the footprint given to [`Self::cast`]; exact but for cells whose border the shadow's
+    /// border crosses.
+    pub(super) fn hidden_bits(&self, row: u32, word: usize, bits: u64) -> u64 {
+        let rows_away = i64::from(row) - self.foot_cell[1];
+        let y = rows_away as f64 * self.cell_m + self.phase[1];
+        let (vertical, row_bin) =
+            (if y < 0.0 { Quadrant::South } else { Quadrant::North }, rows_away.unsigned_abs());
+        let per_y = 1.0 / y.abs();
+        let half_rays = 0.5 * self.rays as f64;
+        let (mut hidden, mut rest) = (0, bits);
+        while rest != 0 {
+            let bit = rest.trailing_zeros();
+            rest &= rest - 1;
+            let columns_away = word as i64 * 64 + i64::from(bit) - self.foot_cell[0];
+            let x = columns_away as f64 * self.cell_m + self.phase[0];
+            let (quadrant, slope, bin) = if x.abs() < y.abs() {
+                (vertical, x * per_y, row_bin)
+            } else {
+                let quadrant = if x < 0.0 { Quadrant::West } else { Quadrant::East };
+                (quadrant, y / x.abs(), columns_away.unsigned_abs())
+            };
+            let ray = (((slope + 1.0) * half_rays) as usize).min(self.rays - 1);
+            // Cells past the rays' end lie beyond d_max, in no footprint.
+            let bin = (bin as usize).min(self.words * 64 - 1);
+            let start = (quadrant as usize * self.rays + ray) * self.words;
+            hidden |= (self.bits[start + bin / 64] >> (bin % 64) & 1) << bit;
+        }
+        hidden
     }
 }
 
@@ -183,6 +195,12 @@ impl Quadrant {
     fn sign(self) -> f64 {
         if matches!(self, Self::East | Self::North) { 1.0 } else { -1.0 }
     }
+}
+
+/// ⌈x⌉, but 0 for what is below: `f64::ceil` is a call on targets without an instruction for it.
+fn ceil(x: f64) -> usize {
+    let whole = x as usize;
+    whole.saturating_add(usize::from(x > whole as f64))
 }
 
 /// Sets the bits first..=last.

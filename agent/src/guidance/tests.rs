@@ -1,1 +1,222 @@
+//! The planner as a whole.
 
+use csat_proto::camera::CameraModel;
+use csat_proto::ids::{AgentId, Incarnation, RunId};
+use csat_proto::message::{OemCell, OemDelta};
+use csat_proto::model::{FleetModel, Ground, TargetsModel};
+
+use super::*;
+use crate::config::{Criterion, EstimatorConfig, ExchangeConfig, GuidanceConfig};
+
+pub(super) fn default_config() -> AgentConfig {
+    AgentConfig {
+        run: RunId(1),
+        id: AgentId(0),
+        incarnation: Incarnation(0),
+        period_s: 0.5,
+        ground: Ground { size_m: [500.0; 2] },
+        targets: TargetsModel::default(),
+        fleet: FleetModel::default(),
+        camera: CameraModel::default(),
+        estimator: EstimatorConfig::default(),
+        guidance: GuidanceConfig::default(),
+        exchange: ExchangeConfig::default(),
+    }
+}
+
+pub(super) const CRITERIA: [Criterion; 4] =
+    [Criterion::Str1, Criterion::Str2NoHidden, Criterion::Str2, Criterion::Str3];
+
+/// Left or right, left first: a tie goes left.
+fn left_or_right(criterion: Criterion, kappa: f64) -> AgentConfig {
+    let mut config = default_config();
+    config.guidance.criterion = criterion;
+    config.guidance.kappa = kappa;
+    config.guidance.n_mpc = 1;
+    config.guidance.increments_deg = vec![60.0, -60.0];
+    config
+}
+
+/// Degrees.
+const LEFT: f64 = 60.0;
+const RIGHT: f64 = -60.0;
+
+/// The first increment, degrees.
+fn turn(decision: &Decision) -> f64 {
+    decision.increments_rad[0].to_degrees().round()
+}
+
+/// Owned knowledge.
+pub(super) struct Scene {
+    pub(super) wanted: Raster,
+    pub(super) margin: Raster,
+    pub(super) hidden_now: Raster,
+    pub(super) hidden_recent: Raster,
+    pub(super) oem: Oem,
+}
+
+impl Scene {
+    pub(super) fn new(config: &AgentConfig) -> Self {
+        let empty = Raster::empty(config.raster_grid());
+        Self {
+            wanted: empty.clone(),
+            margin: empty.clone(),
+            hidden_now: empty.clone(),
+            hidden_recent: empty,
+            oem: Oem::unexplored(config.oem_grid()),
+        }
+    }
+
+    pub(super) fn picture(&self) -> Picture<'_> {
+        Picture {
+            wanted: &self.wanted,
+            margin: &self.margin,
+            hidden_now: &self.hidden_now,
+            neighbours_hidden_now: &[],
+            hidden_recent: &self.hidden_recent,
+            oem: &self.oem,
+        }
+    }
+
+    pub(super) fn occupy(&mut self, column: u32, row: u32, height_dm: u16) {
+        let cell = self.oem.grid().index(column, row) as u32;
+        self.oem.join(OemDelta { cell, state: OemCell::Occupied { height_dm } });
+    }
+}
+
+pub(super) fn fill(raster: &mut Raster, x: [f64; 2], y: [f64; 2]) {
+    raster.fill_rings(&[[[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]]]);
+}
+
+/// From the middle, heading east: what lies north is left, what lies south is right.
+fn middle() -> Pose {
+    Pose::level([0.0, 0.0, 52.0], 0.0)
+}
+
+/// Equal patches on both sides.
+fn both_sides(config: &AgentConfig) -> Scene {
+    let mut scene = Scene::new(config);
+    fill(&mut scene.wanted, [0.0, 160.0], [60.0, 200.0]);
+    fill(&mut scene.wanted, [0.0, 160.0], [-200.0, -60.0]);
+    scene
+}
+
+fn first_turn(config: &AgentConfig, scene: &Scene, neighbours: &[Vec<Pose>]) -> f64 {
+    turn(&Planner::new(config).plan(&scene.picture(), &middle(), neighbours))
+}
+
+#[test]
+fn a_wall_turns_str3_away_and_leaves_the_others_cold() {
+    for criterion in CRITERIA {
+        let config = left_or_right(criterion, 0.0);
+        let mut scene = both_sides(&config);
+        assert_eq!(first_turn(&config, &scene, &[]), LEFT, "a tie");
+        // A wall 40 m high across the way to the left, y 55..60.
+        (45..90).for_each(|column| scene.occupy(column, 61, 400));
+        let expected = if criterion == Criterion::Str3 { RIGHT } else { LEFT };
+        assert_eq!(first_turn(&config, &scene, &[]), expected, "{criterion:?}");
+    }
+}
+
+#[test]
+fn only_str2_believes_that_the_hidden_stays_hidden() {
+    for criterion in CRITERIA {
+        let config = left_or_right(criterion, 0.0);
+        let mut scene = both_sides(&config);
+        fill(&mut scene.hidden_now, [0.0, 160.0], [100.0, 200.0]);
+        let expected = if criterion == Criterion::Str2 { RIGHT } else { LEFT };
+        assert_eq!(first_turn(&config, &scene, &[]), expected, "{criterion:?}");
+    }
+}
+
+#[test]
+fn obstacle_margins_attract_only_str1() {
+    for criterion in CRITERIA {
+        let config = left_or_right(criterion, 1.0);
+        let mut scene = both_sides(&config);
+        fill(&mut scene.wanted, [0.0, 160.0], [60.0, 240.0]);
+        fill(&mut scene.margin, [-20.0, 240.0], [40.0, 250.0]);
+        let expected = if criterion == Criterion::Str1 { LEFT } else { RIGHT };
+        assert_eq!(first_turn(&config, &scene, &[]), expected, "{criterion:?}");
+    }
+}
+
+#[test]
+fn kappa_pulls_to_what_was_hidden() {
+    for (criterion, kappa, expected) in [
+        (Criterion::Str3, 0.0, LEFT),
+        (Criterion::Str3, 1.0, RIGHT),
+        (Criterion::Str2, 1.0, LEFT), // no J² there
+    ] {
+        let config = left_or_right(criterion, kappa);
+        let mut scene = both_sides(&config);
+        fill(&mut scene.hidden_recent, [0.0, 160.0], [-200.0, -60.0]);
+        assert_eq!(first_turn(&config, &scene, &[]), expected, "{criterion:?} {kappa}");
+    }
+}
+
+#[test]
+fn neighbours_repel() {
+    for criterion in CRITERIA {
+        let config = left_or_right(criterion, 1.0);
+        let scene = both_sides(&config);
+        let first = Planner::new(&config).plan(&scene.picture(), &middle(), &[]);
+        assert_eq!(turn(&first), LEFT);
+        assert_eq!(first_turn(&config, &scene, &[first.poses]), RIGHT, "{criterion:?}");
+        assert_eq!(first_turn(&config, &scene, &[vec![]]), LEFT, "a neighbour without a plan");
+    }
+}
+
+/// In str2 a neighbour does not see what is hidden to it (5.19).
+#[test]
+fn what_is_hidden_to_a_neighbour_is_left_to_others() {
+    let config = left_or_right(Criterion::Str2, 0.0);
+    let scene = both_sides(&config);
+    let mut all = Raster::empty(config.raster_grid());
+    fill(&mut all, [-250.0, 250.0], [-250.0, 250.0]);
+    let mut planner = Planner::new(&config);
+    let taken = vec![vec![planner.plan(&scene.picture(), &middle(), &[]).poses[0]]];
+    let hidden = [Some(&all)];
+    let picture = Picture { neighbours_hidden_now: &hidden, ..scene.picture() };
+    assert_eq!(turn(&planner.plan(&picture, &middle(), &taken)), LEFT);
+    assert_eq!(turn(&planner.plan(&scene.picture(), &middle(), &taken)), RIGHT);
+}
+
+/// All candidates see nothing: the distance decides, also when no footprint meets the region.
+#[test]
+fn who_sees_nothing_flies_to_the_nearest_remains() {
+    let mut config = default_config();
+    config.guidance.n_mpc = 1;
+    let mut scene = Scene::new(&config);
+    fill(&mut scene.wanted, [-250.0, -230.0], [-250.0, 250.0]);
+    let mut planner = Planner::new(&config);
+    for (pose, expected) in [
+        (Pose::level([200.0, 0.0, 52.0], 0.3), LEFT),
+        (Pose::level([400.0, -100.0, 52.0], -1.0), RIGHT),
+    ] {
+        let decision = planner.plan(&scene.picture(), &pose, &[]);
+        assert_eq!(turn(&decision), expected, "{pose:?}");
+        assert!(decision.terms.distance_m > 100.0);
+    }
+    let nothing = Scene::new(&config);
+    let decision = planner.plan(&nothing.picture(), &middle(), &[]);
+    assert_eq!((decision.increments_rad, decision.cost), (vec![0.0], 0.0), "straight ahead");
+}
+
+/// `predicted_hidden` lies in the footprint and does not depend on the criterion.
+#[test]
+fn predicted_hidden_ground_lies_in_the_footprint() {
+    let config = left_or_right(Criterion::Str1, 0.0);
+    let mut planner = Planner::new(&config);
+    let mut scene = Scene::new(&config);
+    assert_eq!(planner.predicted_hidden(&scene.oem, &middle()).count(), 0);
+    (45..55).for_each(|row| scene.occupy(70, row, 200)); // x 100..105, y -25..25
+    let hidden = planner.predicted_hidden(&scene.oem, &middle());
+    let mut common = hidden.clone();
+    common.intersect_with(&planner.footprint(&middle()));
+    assert_eq!(common, hidden);
+    // The base widened to the roof's shadow: a trapezium from x 100 to 105·52/32.
+    let stretch = 52.0 / 32.0;
+    let expected = (105.0 * stretch - 100.0) * 25.0 * (1.0 + stretch * 105.0 / 100.0);
+    assert!((hidden.area_m2() / expected - 1.0).abs() < 0.02, "{} {expected}", hidden.area_m2());
+}

@@ -2,9 +2,12 @@
 
 use std::f64::consts::PI;
 
-use csat_proto::region::{GridPoint, UNITS_PER_M};
+use csat_proto::region::{GridBox, GridPoint, Region, Ring, UNITS_PER_M};
 
 use super::NUMERIC_MARGIN_M;
+
+/// The largest coordinate that `i_overlay` computes with, in grid units.
+const LIMIT: i32 = (1 << 30) - 1;
 
 /// A regular polygon with fixed directions that contains a disc centred on the origin.
 ///
@@ -12,39 +15,83 @@ use super::NUMERIC_MARGIN_M;
 /// parallel and merge (`spec/sets.md` §5).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disc {
-    corners: Vec<GridPoint>,
+    corners: Ring,
+    /// The largest coordinate of a corner; [`LIMIT`] when the disc is too large for the grid.
+    reach: i32,
 }
 
 impl Disc {
     /// The circumscribed polygon of the disc of `radius_m` plus [`NUMERIC_MARGIN_M`], with
-    /// `vertices` corners.
+    /// `vertices` corners, or fewer where the grid cannot tell them apart.
+    ///
+    /// A disc too large for the grid (or whose radius is not a number) stands for the whole plane:
+    /// what is dilated by it fills its bounds, what is eroded by it vanishes.
     pub fn circumscribed(radius_m: f64, vertices: u16) -> Self {
-        let n = f64::from(vertices.max(4));
-        // Two more units: rounding the corners may move an edge inward by one and a half.
-        let apothem = (radius_m + NUMERIC_MARGIN_M) * UNITS_PER_M + 2.0;
+        let count = vertices.max(4);
+        let n = f64::from(count);
+        // Two more units: rounding the corners may move an edge inward by almost one.
+        let apothem = (radius_m.max(0.0) + NUMERIC_MARGIN_M) * UNITS_PER_M + 2.0;
         let circumradius = apothem / (PI / n).cos();
         let corner = |k: u16| {
-            let (sin, cos) = (PI * f64::from(2 * k + 1) / n).sin_cos();
+            let (sin, cos) = (PI * f64::from(2 * u32::from(k) + 1) / n).sin_cos();
             GridPoint::new((circumradius * cos).round() as i32, (circumradius * sin).round() as i32)
         };
-        Self { corners: (0..vertices.max(4)).map(corner).collect() }
+        let corners = convex((0..count).map(corner));
+        let fits = !radius_m.is_nan() && circumradius < f64::from(LIMIT);
+        let reach = if fits { circumradius.ceil() as i32 } else { LIMIT };
+        Self { corners, reach }
     }
 
-    /// The corners, counter-clockwise.
+    /// The corners, counter-clockwise; no three of them are collinear.
     pub fn corners(&self) -> &[GridPoint] {
         &self.corners
     }
 
-    /// The index of the corner farthest along `normal`; of two equal ones the first in
-    /// counter-clockwise order.
+    /// Whether the disc about any point of `region` stays within what can be computed with.
+    pub(super) fn fits(&self, region: &Region) -> bool {
+        region.bounds().is_none_or(|bounds| self.fits_about(&bounds))
+    }
+
+    /// Whether the disc about any point of a box stays within what can be computed with.
+    pub(super) fn fits_about(&self, bounds: &GridBox) -> bool {
+        let room = LIMIT - self.reach;
+        let farthest = |p: GridPoint| p.x.unsigned_abs().max(p.y.unsigned_abs());
+        farthest(bounds.min).max(farthest(bounds.max)) <= room as u32
+    }
+
+    /// The index of the corner farthest along `normal` (of two equal ones the first in
+    /// counter-clockwise order), given that the disc fits about the edge of that normal.
     pub(super) fn support(&self, normal: (i64, i64)) -> usize {
-        let reach = |k: usize| {
-            let q = self.corners[k];
-            i128::from(normal.0) * i128::from(q.x) + i128::from(normal.1) * i128::from(q.y)
+        let reach = |q: GridPoint| normal.0 * i64::from(q.x) + normal.1 * i64::from(q.y);
+        let (mut best, mut most) = (0, reach(self.corners[0]));
+        for (k, &q) in self.corners.iter().enumerate().skip(1) {
+            let reach = reach(q);
+            if reach > most {
+                (best, most) = (k, reach);
+            }
+        }
+        let last = self.corners.len() - 1;
+        if best == 0 && reach(self.corners[last]) == most { last } else { best }
+    }
+}
+
+/// The corners of the convex hull of points that go round the origin once, rounded to the grid.
+fn convex(points: impl Iterator<Item = GridPoint>) -> Ring {
+    let left = |a: GridPoint, b: GridPoint, c: GridPoint| {
+        let d = |p: GridPoint, q: GridPoint| {
+            (i128::from(q.x) - i128::from(p.x), i128::from(q.y) - i128::from(p.y))
         };
-        let n = self.corners.len();
-        let best = (1..n).fold(0, |best, k| if reach(k) > reach(best) { k } else { best });
-        let before = (best + n - 1) % n;
-        if reach(before) == reach(best) { before } else { best }
+        let ((ux, uy), (wx, wy)) = (d(a, b), d(b, c));
+        ux * wy - uy * wx > 0
+    };
+    let mut ring: Ring = points.collect();
+    loop {
+        let n = ring.len();
+        let kept = |i: &usize| left(ring[(i + n - 1) % n], ring[*i], ring[(i + 1) % n]);
+        // One at a time: dropping neighbours together could cut into the hull.
+        match (0..n).find(|i| !kept(i)) {
+            Some(i) if n > 3 => ring.remove(i),
+            _ => return ring,
+        };
     }
 }

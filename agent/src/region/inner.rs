@@ -51,12 +51,16 @@ impl Inner {
 
     /// self ⊖ disc.
     pub fn eroded(&self, disc: &Disc) -> Inner {
+        if !disc.fits(&self.0) {
+            return Inner::default();
+        }
         let paths: Vec<Ring> = self.0.rings().map(|ring| eroded_path(ring, disc)).collect();
         Inner(overlay(&paths, [], RULE::Subject))
     }
 
-    /// A subset with fewer vertices: each move gives away at most `tolerance_m2`.
-    pub fn simplified(self, tolerance_m2: f64) -> Inner {
-        Inner(simplify_region(self.0, Kind::Inner, tolerance_m2))
+    /// A subset with fewer vertices: each move shifts the border by at most
+    /// `tolerance_m`.
+    pub fn simplified(self, tolerance_m: f64) -> Inner {
+        Inner(simplify_region(self.0, Kind::Inner, tolerance_m))
     }
 }

@@ -37,7 +37,7 @@ mod sweep;
 pub use disc::Disc;
 pub use inner::Inner;
 pub use outer::Outer;
-pub use simplify::{Kind, simplify_ring};
+pub use simplify::{Kind, Tolerance, simplify_ring};
 
 pub(crate) use boolean::{RULE, overlay};
 

@@ -19,6 +19,9 @@ impl Outer {
 
     /// The union of convex rings (counter-clockwise, grid), each dilated by `disc`, within `bounds`.
     pub(crate) fn around(rings: &[Ring], disc: &Disc, bounds: &Region) -> Self {
+        if !GridBox::around(rings.iter().flatten()).is_none_or(|b| disc.fits_about(&b)) {
+            return Self(bounds.clone());
+        }
         let paths: Vec<Ring> = rings.iter().map(|ring| dilated_path(ring, disc)).collect();
         Self(overlay(&paths, bounds.rings(), RULE::Intersect))
     }
@@ -72,13 +75,17 @@ impl Outer {
 
     /// (self ⊕ disc) ∩ bounds.
     pub fn dilated(&self, disc: &Disc, bounds: &Region) -> Outer {
+        if !disc.fits(&self.0) {
+            return Outer(bounds.clone());
+        }
         let paths: Vec<Ring> = self.0.rings().map(|ring| dilated_path(ring, disc)).collect();
         Outer(overlay(&paths, bounds.rings(), RULE::Intersect))
     }
 
-    /// A superset with fewer vertices: each move adds at most `tolerance_m2`.
-    pub fn simplified(self, tolerance_m2: f64) -> Outer {
-        Outer(simplify_region(self.0, Kind::Outer, tolerance_m2))
+    /// A superset with fewer vertices: each move shifts the border by at most
+    /// `tolerance_m`.
+    pub fn simplified(self, tolerance_m: f64) -> Outer {
+        Outer(simplify_region(self.0, Kind::Outer, tolerance_m))
     }
 }
 

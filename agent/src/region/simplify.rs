@@ -5,11 +5,15 @@
 //! a set that is filled where the winding number is positive only grows when reflex vertices are
 //! dropped, and only shrinks when convex ones are, *whatever else lies in the triangle*: no
 //! topological test is needed, only one resolving pass afterwards.
+//!
+//! Likewise, replacing an edge between two convex vertices by the point where its neighbours meet
+//! adds the triangle between them, which an outer set may; an edge between two reflex vertices
+//! removes one, which an inner set may.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use csat_proto::region::{GridPoint, Region, Ring, UNITS_PER_M};
+use csat_proto::region::{GridPoint, Region, Ring, UNITS_PER_M, twice_signed_area};
 
 use super::{RULE, overlay};
 
@@ -22,14 +26,31 @@ pub enum Kind {
     Inner,
 }
 
-/// Simplifies a region; each move changes the area by at most `tolerance_m2`.
-pub(super) fn simplify_region(region: Region, kind: Kind, tolerance_m2: f64) -> Region {
-    let tolerance = tolerance_m2 * UNITS_PER_M * UNITS_PER_M;
-    let cost = |a, v, b| twice_triangle(a, v, b).unsigned_abs() as f64 / 2.0 / tolerance;
+/// How far a move may go.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// The border may move by at most this, in units of the coordinates.
+    pub height: f64,
+    /// Along at most this length, in units of the coordinates.
+    pub length: f64,
+    /// Whether edges may be replaced by the point where their neighbours meet.
+    pub meet: bool,
+}
+
+/// No move is longer than this many times its height tolerance.
+const LENGTH_PER_HEIGHT: f64 = 100.0;
+
+/// Meeting points are pushed out this far, in units, to make up for rounding them to the grid.
+const ROUNDING: f64 = 2.0;
+
+/// Simplifies a region; each move shifts the border by at most `tolerance_m`.
+pub(super) fn simplify_region(region: Region, kind: Kind, tolerance_m: f64) -> Region {
+    let height = tolerance_m * UNITS_PER_M;
+    let tolerance = Tolerance { height, length: LENGTH_PER_HEIGHT * height, meet: true };
     let before = region.vertex_count();
     let rings: Vec<Ring> = region
         .rings()
-        .map(|ring| simplify_ring(ring, kind, cost))
+        .map(|ring| simplify_ring(ring, kind, tolerance))
         .filter(|ring| ring.len() >= 3)
         .collect();
     if rings.iter().map(Vec::len).sum::<usize>() == before {
@@ -38,62 +59,171 @@ pub(super) fn simplify_region(region: Region, kind: Kind, tolerance_m2: f64) -> 
     overlay(&rings, [], RULE::Subject)
 }
 
-/// Twice the signed area of the triangle (a, v, b): positive when v is a convex (left) turn.
-fn twice_triangle(a: GridPoint, v: GridPoint, b: GridPoint) -> i128 {
-    let (ux, uy) = (i128::from(v.x) - i128::from(a.x), i128::from(v.y) - i128::from(a.y));
-    let (wx, wy) = (i128::from(b.x) - i128::from(v.x), i128::from(b.y) - i128::from(v.y));
-    ux * wy - uy * wx
-}
-
-/// Drops vertices of one ring, cheapest first, while `cost(previous, vertex, next)` is at most 1.
-/// Outer sets lose reflex vertices, inner sets convex ones; collinear vertices always go.
+/// Simplifies one ring by the safe moves of `kind`, cheapest first, as far as `tolerance` allows;
+/// collinear vertices always go.
 ///
 /// The ring may cross itself afterwards and is to be filled where its winding number is positive. It
-/// may shrink to fewer than 3 vertices, which is ∅ (only inner sets' rings and outer sets' holes).
-pub fn simplify_ring(
-    ring: &[GridPoint],
+/// may become empty: an outer ring of an inner set, or a hole of an outer one.
+pub fn simplify_ring(ring: &[GridPoint], kind: Kind, tolerance: Tolerance) -> Ring {
+    let mut chain = Chain::new(ring, kind, tolerance);
+    while let Some(Reverse((bits, at, change))) = chain.queue.pop() {
+        // Entries go stale when a neighbour changes: the price is asked again before acting on one.
+        if chain.alive[at] && chain.price(at, change).map(f64::to_bits) == Some(bits) {
+            chain.apply(at, change);
+            if chain.left < 3 {
+                return Ring::new();
+            }
+        }
+    }
+    let points: Ring =
+        (0..ring.len()).filter(|&i| chain.alive[i]).map(|i| chain.points[i]).collect();
+    if twice_signed_area(&points) == 0 { Ring::new() } else { points }
+}
+
+/// A move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Change {
+    /// Drop a vertex.
+    Drop,
+    /// Replace the edge from a vertex to the next by the point where the edges around it meet.
+    Meet,
+}
+
+/// A ring under simplification: a circular linked list with a queue of possible moves.
+struct Chain {
+    points: Vec<GridPoint>,
+    links: Vec<(usize, usize)>,
+    alive: Vec<bool>,
+    left: usize,
     kind: Kind,
-    cost: impl Fn(GridPoint, GridPoint, GridPoint) -> f64,
-) -> Ring {
-    let n = ring.len();
-    let mut links: Vec<(usize, usize)> = (0..n).map(|i| ((i + n - 1) % n, (i + 1) % n)).collect();
-    let mut alive = vec![true; n];
-    let price = |links: &[(usize, usize)], i: usize| -> Option<f64> {
-        let (a, v, b) = (ring[links[i].0], ring[i], ring[links[i].1]);
-        let turn = twice_triangle(a, v, b);
-        let safe = match kind {
-            Kind::Outer => turn <= 0,
-            Kind::Inner => turn >= 0,
+    tolerance: Tolerance,
+    queue: BinaryHeap<Reverse<(u64, usize, Change)>>,
+}
+
+impl Chain {
+    fn new(ring: &[GridPoint], kind: Kind, tolerance: Tolerance) -> Self {
+        let n = ring.len();
+        let mut chain = Self {
+            points: ring.to_vec(),
+            links: (0..n).map(|i| ((i + n - 1) % n, (i + 1) % n)).collect(),
+            alive: vec![true; n],
+            left: n,
+            kind,
+            tolerance,
+            queue: BinaryHeap::with_capacity(n),
         };
-        let price = if turn == 0 { 0.0 } else { cost(a, v, b) };
-        (safe && price <= 1.0).then_some(price)
-    };
-    // Entries go stale when a neighbour is dropped: the price is asked again before acting on one.
-    let mut queue: BinaryHeap<Reverse<(u64, usize)>> = BinaryHeap::with_capacity(n);
-    let push = |queue: &mut BinaryHeap<Reverse<(u64, usize)>>, price: Option<f64>, i: usize| {
-        // Prices are not negative, so the order of their bits is their order.
-        if let Some(price) = price {
-            queue.push(Reverse((price.to_bits(), i)));
-        }
-    };
-    for i in 0..n {
-        push(&mut queue, price(&links, i), i);
+        (0..n).for_each(|i| chain.offer(i));
+        chain
     }
-    let mut left = n;
-    while let Some(Reverse((bits, i))) = queue.pop() {
-        if !alive[i] || price(&links, i).map(f64::to_bits) != Some(bits) {
-            continue;
-        }
-        alive[i] = false;
-        left -= 1;
-        if left < 3 {
-            return Ring::new();
-        }
-        let (before, after) = links[i];
-        links[before].1 = after;
-        links[after].0 = before;
-        push(&mut queue, price(&links, before), before);
-        push(&mut queue, price(&links, after), after);
+
+    fn before(&self, i: usize) -> usize {
+        self.links[i].0
     }
-    (0..n).filter(|&i| alive[i]).map(|i| ring[i]).collect()
+
+    fn after(&self, i: usize) -> usize {
+        self.links[i].1
+    }
+
+    /// Puts the possible moves at a vertex into the queue.
+    fn offer(&mut self, i: usize) {
+        for change in [Change::Drop, Change::Meet] {
+            // Prices are not negative, so the order of their bits is their order.
+            if let Some(price) = self.price(i, change) {
+                self.queue.push(Reverse((price.to_bits(), i, change)));
+            }
+        }
+    }
+
+    /// The share of the tolerance that a move uses up; `None` when it goes the unsafe way or too far.
+    fn price(&self, i: usize, change: Change) -> Option<f64> {
+        let price = match change {
+            Change::Drop => self.price_of_drop(i),
+            Change::Meet if self.tolerance.meet && self.left > 3 => self.meeting(i).map(|m| m.1),
+            Change::Meet => None,
+        }?;
+        (price <= 1.0).then_some(price)
+    }
+
+    fn price_of_drop(&self, i: usize) -> Option<f64> {
+        let (a, v, b) =
+            (self.points[self.before(i)], self.points[i], self.points[self.after(i)]);
+        let turn = cross(diff(a, v), diff(v, b));
+        match (self.kind, turn) {
+            (_, 0) => Some(0.0),
+            (Kind::Outer, 1..) | (Kind::Inner, ..0) => None,
+            _ => {
+                let base = length(diff(a, b));
+                // The height of the triangle over a-b; of a needle, its length.
+                let height = (turn.unsigned_abs() as f64 / base.max(1.0))
+                    .max(if base < 1.0 { length(diff(a, v)) } else { 0.0 });
+                Some(self.share(height, base))
+            }
+        }
+    }
+
+    /// Where the edges around the edge i → next meet, and the price.
+    fn meeting(&self, i: usize) -> Option<(GridPoint, f64)> {
+        let (b, c) = (self.points[i], self.points[self.after(i)]);
+        let (a, d) =
+            (self.points[self.before(i)], self.points[self.after(self.after(i))]);
+        let (u, e, w) = (diff(a, b), diff(b, c), diff(c, d));
+        let (at_b, at_c, between) = (cross(u, e), cross(e, w), cross(u, w));
+        let sign = if self.kind == Kind::Outer { 1 } else { -1 };
+        if at_b * sign <= 0 || at_c * sign <= 0 || between * sign <= 0 || dot(u, w) <= 0 {
+            return None;
+        }
+        // b + t·u = c - s·w, so t = (e × w) / (u × w).
+        let t = at_c as f64 / between as f64;
+        let base = length(e);
+        let height = t * at_b.unsigned_abs() as f64 / base;
+        let price = self.share(height, base);
+        // e turned right points out of a set on its left.
+        let out = [e.1 as f64 / base, -e.0 as f64 / base].map(|x| x * ROUNDING * sign as f64);
+        let x = f64::from(b.x) + t * u.0 as f64 + out[0];
+        let y = f64::from(b.y) + t * u.1 as f64 + out[1];
+        (price <= 1.0).then(|| (GridPoint::new(x.round() as i32, y.round() as i32), price))
+    }
+
+    fn share(&self, height: f64, length: f64) -> f64 {
+        (height / self.tolerance.height).max(length / self.tolerance.length)
+    }
+
+    fn apply(&mut self, i: usize, change: Change) {
+        if change == Change::Meet {
+            let Some((point, _)) = self.meeting(i) else { return };
+            self.points[i] = point;
+            self.unlink(self.after(i));
+            self.offer(i);
+        } else {
+            self.unlink(i);
+        }
+        let (before, after) = self.links[i];
+        for near in [self.before(before), before, after, self.after(after)] {
+            self.offer(near);
+        }
+    }
+
+    fn unlink(&mut self, i: usize) {
+        let (before, after) = self.links[i];
+        self.links[before].1 = after;
+        self.links[after].0 = before;
+        self.alive[i] = false;
+        self.left -= 1;
+    }
+}
+
+fn diff(a: GridPoint, b: GridPoint) -> (i64, i64) {
+    (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y))
+}
+
+fn cross(u: (i64, i64), w: (i64, i64)) -> i128 {
+    i128::from(u.0) * i128::from(w.1) - i128::from(u.1) * i128::from(w.0)
+}
+
+fn dot(u: (i64, i64), w: (i64, i64)) -> i128 {
+    i128::from(u.0) * i128::from(w.0) + i128::from(u.1) * i128::from(w.1)
+}
+
+fn length(u: (i64, i64)) -> f64 {
+    (u.0 as f64).hypot(u.1 as f64)
 }

@@ -7,34 +7,36 @@
 //! for each swept piece over a point: filled where positive it is exactly P ∪ (pieces).
 //!
 //! That union is P ⊕ Q. Take x in P ⊕ Q but not in P and the least t in (0, 1] for which the convex
-//! set x - tQ touches P. It touches either inside an edge e with the corner q(e), and then x lies
-//! in e's parallelogram, or at a convex vertex with a corner between the normals, and then x lies
-//! in that fan; it cannot touch at a reflex vertex alone. Where an edge of Q is parallel to e the
-//! first of the two farthest corners is taken: its other end is the first corner of the fan that
-//! follows.
+//! set x - tQ touches P. It touches an edge e with the corner q(e), and then x lies in e's
+//! parallelogram, or a convex vertex with a corner between the normals, and then x lies in that fan.
+//! (Touching a reflex vertex v alone, x - tQ lies beyond both of v's edges and touches their lines
+//! in v: it touches each edge with its corner.) Where an edge of Q is parallel to e the first of the
+//! two farthest corners is taken: its other end is the first corner of the fan that follows.
 
 use csat_proto::region::{GridPoint, Ring};
 
 use super::Disc;
 
-/// The raw path of `ring ⊕ disc`; to be filled where the winding number is positive.
+/// The raw path of `ring ⊕ disc`; to be filled where the winding number is positive. The disc must
+/// [fit](Disc::fits) about every point of the ring, which may repeat points, or be just one.
 pub(super) fn dilated_path(ring: &[GridPoint], disc: &Disc) -> Ring {
     let corners = disc.corners();
-    let edge = |i: usize| {
-        let (a, b) = (ring[i], ring[(i + 1) % ring.len()]);
-        (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y))
+    let mut path = Ring::with_capacity(ring.len() * 3 + corners.len());
+    let n = ring.len();
+    // Edges without length have no normal.
+    let Some(last) = (0..n).rev().find(|&i| ring[i] != ring[(i + 1) % n]) else {
+        path.extend(ring.first().iter().flat_map(|&&v| corners.iter().map(move |&q| v + q)));
+        return path;
     };
-    let support = |d: (i64, i64)| disc.support((d.1, -d.0));
-    let mut path = Ring::with_capacity(ring.len() * 2 + corners.len());
-    let mut incoming = edge(ring.len() - 1);
-    let mut from = support(incoming);
-    for (i, &v) in ring.iter().enumerate() {
-        let outgoing = edge(i);
-        let to = support(outgoing);
-        let (turn, along) = cross_and_dot(incoming, outgoing);
-        let reverses = turn == 0 && along < 0;
+    let mut incoming = vector(ring[last], ring[(last + 1) % n]);
+    let mut from = disc.support(incoming.outward());
+    for i in (0..n).filter(|&i| ring[i] != ring[(i + 1) % n]) {
+        let v = ring[i];
+        let outgoing = vector(v, ring[(i + 1) % n]);
+        let to = disc.support(outgoing.outward());
+        let turn = incoming.cross(outgoing);
         path.push(v + corners[from]);
-        if turn > 0 || reverses {
+        if turn > 0 || (turn == 0 && incoming.dot(outgoing) < 0) {
             while from != to {
                 from = (from + 1) % corners.len();
                 path.push(v + corners[from]);
@@ -56,7 +58,29 @@ pub(super) fn eroded_path(ring: &[GridPoint], disc: &Disc) -> Ring {
     path
 }
 
-fn cross_and_dot(u: (i64, i64), w: (i64, i64)) -> (i128, i128) {
-    let (ux, uy, wx, wy) = (i128::from(u.0), i128::from(u.1), i128::from(w.0), i128::from(w.1));
-    (ux * wy - uy * wx, ux * wx + uy * wy)
+/// A difference of grid points within ±2^30: products of two fit into an `i64`, and so do their
+/// differences.
+#[derive(Debug, Clone, Copy)]
+struct Vector {
+    x: i64,
+    y: i64,
+}
+
+fn vector(a: GridPoint, b: GridPoint) -> Vector {
+    Vector { x: i64::from(b.x) - i64::from(a.x), y: i64::from(b.y) - i64::from(a.y) }
+}
+
+impl Vector {
+    /// The normal of an edge, away from what lies to its left.
+    fn outward(self) -> (i64, i64) {
+        (self.y, -self.x)
+    }
+
+    fn cross(self, other: Self) -> i64 {
+        self.x * other.y - self.y * other.x
+    }
+
+    fn dot(self, other: Self) -> i64 {
+        self.x * other.x + self.y * other.y
+    }
 }

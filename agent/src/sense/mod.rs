@@ -116,7 +116,7 @@ impl Sensor {
         let measure = |detection: &csat_proto::frame::Detection| {
             let location =
                 target::location(view, frame, detection.pixels, &self.cylinder, &self.ground)
-                    .simplified(self.config.estimator.simplify_m2);
+                    .simplified(self.config.estimator.simplify_m);
             let exclusion = exclusion::exclusion(&location, knowledge.target_distance_m, vertices);
             MeasuredTarget { target: detection.target, location, exclusion }
         };

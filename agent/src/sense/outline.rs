@@ -3,7 +3,7 @@
 use csat_proto::frame::Label;
 use csat_proto::region::{GridPoint, Ring};
 
-use crate::region::{Kind, simplify_ring};
+use crate::region::{Kind, Tolerance, simplify_ring};
 
 /// The directions of a walk along pixel borders: +column, +row, -column, -row.
 const STEPS: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
@@ -94,14 +94,11 @@ fn walk(mask: &Mask, column: i32, row: i32, walked: &mut [bool]) -> Ring {
 /// slanted border becomes its inner chords. The result is contained in the outline where filled by
 /// positive winding; its rings may cross.
 pub fn simplified_inward(outline: &[Ring], tolerance_px: f64) -> Vec<Ring> {
-    let height = |a: GridPoint, v: GridPoint, b: GridPoint| {
-        let (ux, uy) = (f64::from(b.x - a.x), f64::from(b.y - a.y));
-        let (wx, wy) = (f64::from(v.x - a.x), f64::from(v.y - a.y));
-        (ux * wy - uy * wx).abs() / ux.hypot(uy).max(1e-9) / tolerance_px
-    };
+    // However long: an image is small enough. Meeting points would have to lie on the pixel grid.
+    let tolerance = Tolerance { height: tolerance_px, length: f64::INFINITY, meet: false };
     outline
         .iter()
-        .map(|ring| simplify_ring(ring, Kind::Inner, height))
+        .map(|ring| simplify_ring(ring, Kind::Inner, tolerance))
         .filter(|ring| ring.len() >= 3)
         .collect()
 }

@@ -1,7 +1,7 @@
 //! `Inner::eroded` is the Minkowski difference, and dual to `Outer::dilated`.
 
 use csat_agent::region::{Disc, Inner, Outer};
-use csat_proto::region::{Region, metres};
+use csat_proto::region::metres;
 use rand::RngExt;
 
 use crate::dilate::{any_disc, everywhere};
@@ -48,7 +48,10 @@ fn a_set_narrower_than_the_disc_erodes_to_nothing() {
         let (min, max) = (metres(bounds.min), metres(bounds.max));
         let width = (max[0] - min[0]).min(max[1] - min[1]);
         let disc = Disc::circumscribed(width / 2.0 + rng.random_range(0.0..5.0), 16);
-        assert_eq!(Inner::within(region).eroded(&disc).into_region(), Region::EMPTY);
+        let left = Inner::within(region).eroded(&disc).into_region();
+        // Rounding may leave splinters a grid unit wide.
+        let splinters = 1e-5 * perimeter_m(&left);
+        assert!(left.area_m2() <= splinters, "{} m² left", left.area_m2());
     });
 }
 

@@ -13,11 +13,11 @@ use crate::shapes::{Rng, solid};
 fn a_square_stays_a_small_polygon() {
     for (vertices, count, area) in [(8, 8, 1.025), (16, 32, 1.0065)] {
         let disc = Disc::circumscribed(0.5, vertices);
-        let mut set = Outer::containing(Region::rectangle([10.0, 10.0]));
+        let mut set = Outer::containing(Region::rectangle([40.0, 40.0]));
         for _ in 0..100 {
             set = set.dilated(&disc, &everywhere());
         }
-        let exact = 10.0 * 10.0 + 4.0 * 10.0 * 50.0 + PI * 50.0 * 50.0;
+        let exact = 40.0 * 40.0 + 4.0 * 40.0 * 50.0 + PI * 50.0 * 50.0;
         let ratio = set.region().area_m2() / exact;
         println!("n = {vertices}: {} vertices, area ratio {ratio}", set.region().vertex_count());
         assert!(set.region().vertex_count() <= count);

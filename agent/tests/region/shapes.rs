@@ -35,17 +35,22 @@ impl Drop for Replay {
     }
 }
 
-/// A region of any family and of any size from a few grid units to some hundred metres, anywhere
+/// A region that is not ∅, of any family and of any size from a few grid units to some hundred metres, anywhere
 /// within ±1000 m.
 pub fn any_region(rng: &mut Rng) -> Region {
     let scales_m = [5.0 / UNITS_PER_M, 40.0 / UNITS_PER_M, 0.002, 0.05, 1.0, 8.0, 40.0, 300.0];
     let scale_m = scales_m[rng.random_range(0..scales_m.len())] * rng.random_range(0.5..1.5);
     let room_m = 1000.0 - 1.5 * scale_m;
-    let at = [rng.random_range(-room_m..room_m), rng.random_range(-room_m..room_m)];
-    region_at(rng, at, scale_m)
+    loop {
+        let at = [rng.random_range(-room_m..room_m), rng.random_range(-room_m..room_m)];
+        let region = region_at(rng, at, scale_m);
+        if !region.is_empty() {
+            return region;
+        }
+    }
 }
 
-/// A region of any family within `1.5 * scale_m` of `at`; never ∅ at scales of metres.
+/// A region of any family within `1.5 * scale_m` of `at`; may be ∅ at scales of a few grid units.
 pub fn region_at(rng: &mut Rng, at: [f64; 2], scale_m: f64) -> Region {
     match rng.random_range(0..8) {
         0 => solid(&[star(rng, at, scale_m)]),

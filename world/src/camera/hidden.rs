@@ -1,0 +1,189 @@
+//! Which parts of the contour edges are visible.
+
+use nalgebra::Vector3;
+
+use super::CLEARANCE_M;
+use super::lens::ImageEdge;
+use super::outline::Outline;
+use crate::scene::{Prism, Scene};
+
+/// Lines that enclose a smaller angle (radians) are split as parallel ones, too.
+const PARALLEL: f64 = 1e-5;
+/// How far beyond its ends an edge still splits others, as a share of its length. Needless splits
+/// are harmless, a missing one is not.
+const OVERSHOOT: f64 = 1e-3;
+
+/// Finds visible parts, in buffers that are reused.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Visibility {
+    splits: Vec<f64>,
+    occluders: Vec<usize>,
+    crossings: Vec<f64>,
+}
+
+impl Visibility {
+    /// Calls `visible` with both image ends of every visible part of every contour edge.
+    pub fn for_visible(
+        &mut self,
+        outline: &Outline,
+        scene: &Scene,
+        centre: &Vector3<f64>,
+        mut visible: impl FnMut([f64; 2], [f64; 2]),
+    ) {
+        for edge in &outline.contours {
+            self.split(edge, outline);
+            let mut open: Option<f64> = None;
+            for i in 1..self.splits.len() {
+                let (from, to) = (self.splits[i - 1], self.splits[i]);
+                if self.is_hidden(edge, 0.5 * (from + to), outline, scene, centre) {
+                    if let Some(start) = open.take() {
+                        visible(edge.image_at(start), edge.image_at(from));
+                    }
+                } else {
+                    open.get_or_insert(from);
+                }
+            }
+            if let Some(start) = open {
+                visible(edge.image_at(start), edge.ends[1]);
+            }
+        }
+    }
+
+    /// Lists the prisms that may hide part of `edge` and where that may change.
+    fn split(&mut self, edge: &ImageEdge, outline: &Outline) {
+        self.splits.clear();
+        self.occluders.clear();
+        let farthest = edge.inv_z[0].min(edge.inv_z[1]);
+        for (slot, prism) in outline.prisms.iter().enumerate() {
+            // What is entirely behind the edge's farthest point hides nothing of it.
+            if prism.max_inv_z < farthest || !prism.bounds.overlaps(&edge.bounds) {
+                continue;
+            }
+            self.occluders.push(slot);
+            for other in &outline.contours[prism.contours.clone()] {
+                if other.bounds.overlaps(&edge.bounds) {
+                    add_splits(edge, other, &mut self.splits);
+                }
+            }
+        }
+        self.splits.retain(|s| *s > 0.0 && *s < 1.0);
+        self.splits.extend([0.0, 1.0]);
+        self.splits.sort_unstable_by(f64::total_cmp);
+    }
+
+    /// Whether the point at parameter `s` of `edge` is hidden.
+    fn is_hidden(
+        &mut self,
+        edge: &ImageEdge,
+        s: f64,
+        outline: &Outline,
+        scene: &Scene,
+        centre: &Vector3<f64>,
+    ) -> bool {
+        let image = edge.image_at(s);
+        let point = edge.world_at(s);
+        let crossings = &mut self.crossings;
+        self.occluders.iter().any(|slot| {
+            let prism = &outline.prisms[*slot];
+            prism.bounds.contains(image)
+                && pierces(&scene.prisms[prism.index], centre, &point, crossings)
+        })
+    }
+}
+
+/// Appends the parameters on `edge` where its image crosses that of `other`.
+fn add_splits(edge: &ImageEdge, other: &ImageEdge, splits: &mut Vec<f64>) {
+    let d = sub(edge.ends[1], edge.ends[0]);
+    let e = sub(other.ends[1], other.ends[0]);
+    let offset = sub(other.ends[0], edge.ends[0]);
+    let sine = cross(d, e);
+    let t = cross(offset, d) / sine;
+    if (-OVERSHOOT..=1.0 + OVERSHOOT).contains(&t) {
+        splits.push(cross(offset, e) / sine);
+    }
+    let d2 = d[0] * d[0] + d[1] * d[1];
+    let e2 = e[0] * e[0] + e[1] * e[1];
+    if sine * sine <= PARALLEL * PARALLEL * d2 * e2 && d2 > 0.0 {
+        splits.extend(other.ends.map(|end| {
+            let p = sub(end, edge.ends[0]);
+            (p[0] * d[0] + p[1] * d[1]) / d2
+        }));
+    }
+}
+
+/// Whether the segment from `centre` (above the roof) to `point` gets deeper than [`CLEARANCE_M`]
+/// into the prism; `crossings` is scratch space.
+pub(super) fn pierces(
+    prism: &Prism,
+    centre: &Vector3<f64>,
+    point: &Vector3<f64>,
+    crossings: &mut Vec<f64>,
+) -> bool {
+    // Below the roof from this parameter on.
+    let enter = (centre.z - prism.height_m) / (centre.z - point.z);
+    if !(0.0..1.0).contains(&enter) {
+        return false;
+    }
+    let from = centre + (point - centre) * enter;
+    let start = [from.x, from.y];
+    let d = [point.x - from.x, point.y - from.y];
+    crossings.clear();
+    crossings.push(0.0);
+    for ring in &prism.rings {
+        let Some(&last) = ring.last() else { continue };
+        let mut a = sub(last, start);
+        let mut side_a = cross(d, a);
+        for &vertex in ring {
+            let b = sub(vertex, start);
+            let side_b = cross(d, b);
+            if (side_a > 0.0) != (side_b > 0.0) {
+                let e = sub(b, a);
+                let t = cross(a, e) / cross(d, e);
+                if t > 0.0 && t < 1.0 {
+                    crossings.push(t);
+                }
+            }
+            (a, side_a) = (b, side_b);
+        }
+    }
+    crossings.push(1.0);
+    crossings.sort_unstable_by(f64::total_cmp);
+    crossings.windows(2).any(|pair| {
+        let t = 0.5 * (pair[0] + pair[1]);
+        let z = from.z + t * (point.z - from.z);
+        z < prism.height_m - CLEARANCE_M
+            && is_deep_inside(prism, [start[0] + t * d[0], start[1] + t * d[1]])
+    })
+}
+
+/// Whether a point is in the footprint and farther than [`CLEARANCE_M`] from its border.
+fn is_deep_inside(prism: &Prism, point: [f64; 2]) -> bool {
+    let mut inside = false;
+    for ring in &prism.rings {
+        let Some(&last) = ring.last() else { continue };
+        let mut a = sub(last, point);
+        for &vertex in ring {
+            let b = sub(vertex, point);
+            let e = sub(b, a);
+            let e2 = e[0] * e[0] + e[1] * e[1];
+            let t = (-(a[0] * e[0] + a[1] * e[1]) / e2).clamp(0.0, 1.0);
+            let near = [a[0] + t * e[0], a[1] + t * e[1]];
+            if near[0] * near[0] + near[1] * near[1] <= CLEARANCE_M * CLEARANCE_M {
+                return false;
+            }
+            if (a[1] <= 0.0) != (b[1] <= 0.0) && (a[0] - a[1] * e[0] / e[1] > 0.0) {
+                inside = !inside;
+            }
+            a = b;
+        }
+    }
+    inside
+}
+
+fn sub(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}

@@ -1,0 +1,115 @@
+//! Depth noise and quantisation.
+
+use csat_proto::camera::CameraModel;
+use csat_proto::frame::Label;
+use csat_proto::ids::AgentId;
+use csat_proto::time::Step;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use super::render::Classified;
+
+/// Selects the random numbers of one frame, whatever was drawn for other frames.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stream {
+    pub seed: u64,
+    pub agent: AgentId,
+    pub step: Step,
+}
+
+/// What random numbers are for.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Purpose {
+    Depth = 0,
+    Boxes = 1,
+}
+
+impl Stream {
+    /// The generator for one purpose.
+    pub fn rng(self, purpose: Purpose) -> ChaCha8Rng {
+        let mut key = [0; 32];
+        key[0..8].copy_from_slice(&self.seed.to_le_bytes());
+        key[8..12].copy_from_slice(&self.step.0.to_le_bytes());
+        key[12..14].copy_from_slice(&self.agent.0.to_le_bytes());
+        key[14..22].copy_from_slice(b"camera/1");
+        let mut rng = ChaCha8Rng::from_seed(key);
+        rng.set_stream(purpose as u64);
+        rng
+    }
+}
+
+/// The depths D = ρ(1+w) of a frame (3.33), quantised, with w uniform in `depth_noise`. A depth
+/// beyond d_max makes its pixel Unknown. Pixel n takes the n-th number of the stream, whatever the
+/// other pixels are; Unknown pixels get depth 0.
+pub(super) fn measure(
+    model: &CameraModel,
+    seen: &Classified,
+    stream: Stream,
+    labels: &mut [Label],
+) -> Vec<u16> {
+    let [low, high] = model.depth_noise;
+    // 31 bits each, w at the middle of one of 2³¹ equal parts of the interval.
+    let scale = (high - low) / f64::from(1u32 << 31);
+    let offset = 1.0 + low + 0.5 * scale;
+    let step_m = model.depth_step_m();
+    let columns = usize::from(model.columns);
+    let mut rng = stream.rng(Purpose::Depth);
+    let mut words = vec![0u8; 4 * columns];
+    let mut steps = vec![0i32; columns];
+    let mut depth = vec![0u16; labels.len()];
+    for (row, line) in labels.chunks_exact_mut(columns.max(1)).enumerate() {
+        rng.fill_bytes(&mut words);
+        let start = row * columns;
+        for ((steps, word), rho_m) in
+            steps.iter_mut().zip(words.as_chunks::<4>().0).zip(seen.rho_from(start))
+        {
+            let draw = f64::from((u32::from_le_bytes(*word) >> 1) as i32);
+            *steps = quantised(rho_m * (offset + scale * draw), step_m);
+        }
+        for ((label, depth), steps) in line.iter_mut().zip(&mut depth[start..]).zip(&steps) {
+            match u16::try_from(*steps) {
+                Ok(quantised) if *label != Label::Unknown => *depth = quantised,
+                _ => *label = Label::Unknown,
+            }
+        }
+    }
+    depth
+}
+
+/// [`CameraModel::quantise_depth`] without its call per pixel; more than `u16::MAX` beyond d_max.
+fn quantised(depth_m: f64, step_m: f64) -> i32 {
+    (depth_m / step_m + 0.5).min(65536.0) as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantisation_is_the_models() {
+        let model = CameraModel::default();
+        let step_m = model.depth_step_m();
+        for i in 0..200_000 {
+            let depth_m = f64::from(i) * 0.0015 + 0.000_123;
+            let expected = model.quantise_depth(depth_m);
+            assert_eq!(u16::try_from(quantised(depth_m, step_m)).ok(), expected, "{depth_m} m");
+        }
+        assert_eq!(quantised(f64::INFINITY, step_m), 65536);
+    }
+
+    #[test]
+    fn streams_differ_in_seed_agent_step_and_purpose() {
+        let stream = Stream { seed: 1, agent: AgentId(2), step: Step(3) };
+        let all = [
+            stream.rng(Purpose::Depth),
+            stream.rng(Purpose::Boxes),
+            Stream { seed: 2, ..stream }.rng(Purpose::Depth),
+            Stream { agent: AgentId(3), ..stream }.rng(Purpose::Depth),
+            Stream { step: Step(4), ..stream }.rng(Purpose::Depth),
+        ];
+        let mut first: Vec<u64> = all.into_iter().map(|mut rng| rng.next_u64()).collect();
+        first.sort_unstable();
+        first.dedup();
+        assert_eq!(first.len(), 5);
+    }
+}

@@ -1,0 +1,241 @@
+//! The town: where the ground ends, what stands on it and where cars can drive.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`generate`] | a seeded town of streets and buildings |
+//! | [`geojson`] | real towns from RFC 7946 files |
+//! | `repair` | outlines of real towns made valid |
+//! | `merge` | outlines that overlap made disjoint |
+//! | `project` | longitude and latitude to the local tangent plane |
+//! | [`report`] | what can be wrong with a map, and what was put right |
+
+use std::path::PathBuf;
+
+use csat_proto::model::Ground;
+use serde::{Deserialize, Serialize};
+
+pub mod generate;
+pub mod geojson;
+mod merge;
+mod project;
+mod repair;
+pub mod report;
+
+pub use report::{FeatureRef, MapError, MapWarning};
+
+use crate::obstacle::Obstacle;
+
+/// How far below the lowest UAV every top must stay, metres.
+pub const FLIGHT_CLEARANCE_M: f64 = 2.0;
+
+/// Where the town comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MapKind {
+    /// From the seed.
+    #[default]
+    Generated,
+    /// From a file.
+    GeoJson,
+}
+
+/// `[map]`: the region of interest and its town.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MapConfig {
+    /// Where the town comes from.
+    pub kind: MapKind,
+    /// The GeoJSON file, for kind `geojson`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// Width (east) and depth (north) of the region of interest, metres.
+    pub size_m: [f64; 2],
+    /// Share of the region under buildings, 0..1; kind `generated`.
+    pub built_share: f64,
+    /// Lowest building, metres; kind `generated`.
+    pub min_height_m: f64,
+    /// Highest building, metres; kind `generated`.
+    pub max_height_m: f64,
+    /// Mean distance between parallel streets, metres; kind `generated`.
+    pub road_spacing_m: f64,
+}
+
+impl Default for MapConfig {
+    fn default() -> Self {
+        Self {
+            kind: MapKind::Generated,
+            file: None,
+            size_m: [500.0, 500.0],
+            built_share: 0.05,
+            min_height_m: 6.0,
+            max_height_m: 45.0,
+            road_spacing_m: 95.0,
+        }
+    }
+}
+
+/// What the rest of the scenario demands of a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapRules {
+    /// Altitude of the lowest UAV, metres. Tops stay [`FLIGHT_CLEARANCE_M`] below.
+    pub lowest_altitude_m: f64,
+    /// How far a car's location stays from every wall, metres: generated streets are this wide on
+    /// either side.
+    pub road_clearance_m: f64,
+}
+
+impl MapRules {
+    /// The highest top allowed, metres.
+    pub fn height_limit_m(&self) -> f64 {
+        self.lowest_altitude_m - FLIGHT_CLEARANCE_M
+    }
+}
+
+/// A town.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map {
+    /// The region of interest.
+    pub ground: Ground,
+    /// What stands on it, clipped to it; disjoint but for rounding (a few µm).
+    pub obstacles: Vec<Obstacle>,
+    /// Centre lines of roads as mapped, `world`, metres: neither clipped nor clear of walls.
+    pub roads: Vec<Vec<[f64; 2]>>,
+    /// The line that whoever shows the map has to show with it.
+    pub attribution: Option<String>,
+    /// What was put right or left out.
+    pub warnings: Vec<MapWarning>,
+}
+
+impl Map {
+    /// Share of the region under obstacles, 0..1.
+    pub fn built_share(&self) -> f64 {
+        self.obstacles.iter().map(Obstacle::area_m2).sum::<f64>() / self.ground.area_m2()
+    }
+}
+
+/// Generates or reads the town that `config` asks for; equal arguments (and files) give equal maps.
+///
+/// # Errors
+/// Every mistake at once.
+pub fn load(config: &MapConfig, rules: &MapRules, seed: u64) -> Result<Map, Vec<MapError>> {
+    let errors = mistakes(config, rules);
+    if !errors.is_empty() {
+        return Err(errors);
+    }
+    match (config.kind, &config.file) {
+        (MapKind::GeoJson, Some(path)) => {
+            let text = std::fs::read_to_string(path)
+                .map_err(|e| vec![MapError::Read { path: path.clone(), reason: e.to_string() }])?;
+            geojson::import(&text, Ground { size_m: config.size_m }, rules)
+        }
+        _ => generate::generate(config, rules, seed).map_err(|e| vec![e]),
+    }
+}
+
+/// The mistakes that show before any file is read.
+fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
+    let mut errors = Vec::new();
+    let mut expect = |holds: bool, key: &'static str, got: String, expected: String| {
+        if !holds {
+            errors.push(MapError::Config { key, got, expected });
+        }
+    };
+    let size_ok = config.size_m.iter().all(|s| (20.0..=MAX_SIZE_M).contains(s));
+    let size_expected = format!("two lengths from 20 to {MAX_SIZE_M} m");
+    expect(size_ok, "map.size_m", format!("{:?}", config.size_m), size_expected);
+    let limit = rules.height_limit_m();
+    expect(
+        limit > 1.0,
+        "agents.altitude_m",
+        format!("{} m for the lowest UAV", rules.lowest_altitude_m),
+        format!("more than {} m", FLIGHT_CLEARANCE_M + 1.0),
+    );
+    match config.kind {
+        MapKind::GeoJson => {
+            let got = "no file with kind = \"geojson\"".into();
+            expect(config.file.is_some(), "map.file", got, "a GeoJSON file".into());
+        }
+        MapKind::Generated => {
+            let got = format!("{:?} with kind = \"generated\"", config.file);
+            expect(config.file.is_none(), "map.file", got, "kind = \"geojson\" or no file".into());
+            let share_ok = (0.0..1.0).contains(&config.built_share);
+            let got = config.built_share.to_string();
+            expect(share_ok, "map.built_share", got, "a share from 0 to below 1".into());
+            let spacing_ok = (40.0..=1000.0).contains(&config.road_spacing_m);
+            let got = config.road_spacing_m.to_string();
+            expect(spacing_ok, "map.road_spacing_m", got, "40 to 1000 m".into());
+            let heights = [config.min_height_m, config.max_height_m];
+            let heights_ok = heights[0] > 0.0 && heights[0] <= heights[1] && heights[1].is_finite();
+            let expected = "0 < min_height_m <= max_height_m".into();
+            expect(heights_ok, "map.max_height_m", format!("{heights:?}"), expected);
+        }
+    }
+    errors
+}
+
+/// The largest side of a region, metres: sets live on a grid of ±4095 m (`proto::region`).
+const MAX_SIZE_M: f64 = 8000.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RULES: MapRules = MapRules { lowest_altitude_m: 52.0, road_clearance_m: 2.55 };
+
+    fn keys(config: &MapConfig, rules: &MapRules) -> Vec<&'static str> {
+        let errors = load(config, rules, 1).unwrap_err();
+        errors
+            .iter()
+            .map(|e| match e {
+                MapError::Config { key, .. } => *key,
+                other => panic!("{other}"),
+            })
+            .collect()
+    }
+
+    #[test]
+    fn all_mistakes_are_named_at_once() {
+        let config = MapConfig {
+            file: Some("x.geojson".into()),
+            size_m: [f64::NAN, 500.0],
+            built_share: 1.0,
+            road_spacing_m: -1.0,
+            max_height_m: 5.0,
+            ..MapConfig::default()
+        };
+        let rules = MapRules { lowest_altitude_m: 3.0, ..RULES };
+        let expected = [
+            "map.size_m",
+            "agents.altitude_m",
+            "map.file",
+            "map.built_share",
+            "map.road_spacing_m",
+            "map.max_height_m",
+        ];
+        assert_eq!(keys(&config, &rules), expected);
+        let config = MapConfig { kind: MapKind::GeoJson, ..MapConfig::default() };
+        assert_eq!(keys(&config, &RULES), ["map.file"]);
+    }
+
+    #[test]
+    fn a_missing_file_is_named() {
+        let config = MapConfig {
+            kind: MapKind::GeoJson,
+            file: Some("no/such.geojson".into()),
+            ..MapConfig::default()
+        };
+        let errors = load(&config, &RULES, 1).unwrap_err();
+        assert!(
+            matches!(&errors[..], [MapError::Read { path, .. }] if path.ends_with("such.geojson"))
+        );
+    }
+
+    #[test]
+    fn the_scenario_table_reads_and_refuses_unknown_keys() {
+        let json = r#"{"kind": "geojson", "file": "a.geojson", "size_m": [400, 300]}"#;
+        let config: MapConfig = serde_json::from_str(json).unwrap();
+        assert_eq!(config.kind, MapKind::GeoJson);
+        assert_eq!(config.size_m, [400.0, 300.0]);
+        assert!(serde_json::from_str::<MapConfig>(r#"{"sise_m": [1, 1]}"#).is_err());
+    }
+}

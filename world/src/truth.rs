@@ -1,0 +1,263 @@
+//! The monitor: checks from outside the agents, at every step of every run, that what the theory
+//! promises and what it presumes both hold (`spec/sets.md`, "The guarantee").
+
+use csat_proto::ids::{AgentId, TargetId};
+use csat_proto::model::{Ground, TargetsModel};
+use csat_proto::time::Step;
+use serde::Serialize;
+
+use crate::obstacle::{Obstacle, Walls};
+use crate::plane::distance_m;
+use crate::target::TargetTruth;
+
+/// ε of the guarantee, metres.
+pub const GUARANTEE_TOLERANCE_M: f64 = 1e-3;
+
+/// Allowance for rounding in speeds, metres per check.
+const SPEED_TOLERANCE_M: f64 = 1e-9;
+
+/// What an agent knows, as far as the guarantee goes.
+pub trait Knowledge {
+    /// Whether what the agent knows admits that `target` is at `location` (`world`, metres) or
+    /// within `tolerance_m` of it: in X_ij if it knows the target, else in X̄_i.
+    fn admits(&self, target: TargetId, location: [f64; 2], tolerance_m: f64) -> bool;
+}
+
+/// How many messages there were so far, for the conservation law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct MessageCounts {
+    /// Copies handed to the network, one per receiver.
+    pub sent: u64,
+    /// Further copies that the network made.
+    pub duplicated: u64,
+    /// Copies that arrived.
+    pub delivered: u64,
+    /// Copies dropped, for whatever reason.
+    pub dropped: u64,
+    /// Copies under way.
+    pub in_flight: u64,
+}
+
+impl MessageCounts {
+    /// Whether no copy was lost or gained: sent + duplicated = delivered + dropped + in flight.
+    pub fn conserved(&self) -> bool {
+        let made = u128::from(self.sent) + u128::from(self.duplicated);
+        let found = [self.delivered, self.dropped, self.in_flight];
+        made == found.into_iter().map(u128::from).sum()
+    }
+}
+
+/// What was violated; lengths in metres, `world`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Fault {
+    /// An agent has ruled out where a target is.
+    Guarantee {
+        /// The agent.
+        agent: AgentId,
+        /// The target.
+        target: TargetId,
+        /// Where it is.
+        location: [f64; 2],
+    },
+    /// A target is too near to an obstacle (3.8).
+    ObstacleDistance {
+        /// The target.
+        target: TargetId,
+        /// Index of the obstacle.
+        obstacle: usize,
+        /// How far it is.
+        distance_m: f64,
+        /// What it has to exceed.
+        limit_m: f64,
+    },
+    /// Two targets are too near to each other (3.11).
+    TargetDistance {
+        /// The one.
+        a: TargetId,
+        /// The other.
+        b: TargetId,
+        /// How far apart they are.
+        distance_m: f64,
+        /// What that has to exceed.
+        limit_m: f64,
+    },
+    /// A target left the region.
+    OutsideRegion {
+        /// The target.
+        target: TargetId,
+        /// Where it is.
+        location: [f64; 2],
+    },
+    /// A target moved faster than v_max.
+    Speed {
+        /// The target.
+        target: TargetId,
+        /// How far it moved since the last check.
+        moved_m: f64,
+        /// How far it may have moved.
+        limit_m: f64,
+    },
+    /// Messages appeared or disappeared.
+    MessageConservation {
+        /// The counts that do not add up.
+        counts: MessageCounts,
+    },
+}
+
+/// A fault and when it was seen.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Violation {
+    /// k.
+    pub step: Step,
+    /// What was violated.
+    pub fault: Fault,
+}
+
+/// How often each promise was broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct ViolationCounts {
+    /// [`Fault::Guarantee`].
+    pub guarantee: u64,
+    /// [`Fault::ObstacleDistance`].
+    pub obstacle_distance: u64,
+    /// [`Fault::TargetDistance`].
+    pub target_distance: u64,
+    /// [`Fault::OutsideRegion`].
+    pub outside_region: u64,
+    /// [`Fault::Speed`].
+    pub speed: u64,
+    /// [`Fault::MessageConservation`].
+    pub message_conservation: u64,
+}
+
+impl ViolationCounts {
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.guarantee
+            + self.obstacle_distance
+            + self.target_distance
+            + self.outside_region
+            + self.speed
+            + self.message_conservation
+    }
+
+    fn count(&mut self, fault: &Fault) {
+        *match fault {
+            Fault::Guarantee { .. } => &mut self.guarantee,
+            Fault::ObstacleDistance { .. } => &mut self.obstacle_distance,
+            Fault::TargetDistance { .. } => &mut self.target_distance,
+            Fault::OutsideRegion { .. } => &mut self.outside_region,
+            Fault::Speed { .. } => &mut self.speed,
+            Fault::MessageConservation { .. } => &mut self.message_conservation,
+        } += 1;
+    }
+}
+
+/// Watches one run.
+#[derive(Debug, Clone)]
+pub struct Monitor {
+    ground: Ground,
+    model: TargetsModel,
+    period_s: f64,
+    walls: Walls,
+    /// The last step checked, and every target then.
+    previous: Option<(Step, Vec<TargetTruth>)>,
+    counts: ViolationCounts,
+}
+
+impl Monitor {
+    /// A monitor of a run in that region, with those targets, that period and those obstacles.
+    pub fn new(ground: Ground, model: TargetsModel, period_s: f64, obstacles: &[Obstacle]) -> Self {
+        let walls = Walls::new(obstacles);
+        let counts = ViolationCounts::default();
+        Self { ground, model, period_s, walls, previous: None, counts }
+    }
+
+    /// Checks step k: the separations, the region and the speeds of all targets, and that every
+    /// agent admits every target where it is. Agents are indexed as in `agents`.
+    ///
+    /// A value that is not a number violates whatever it takes part in.
+    pub fn check(
+        &mut self,
+        step: Step,
+        agents: &[&dyn Knowledge],
+        targets: &[TargetTruth],
+    ) -> Vec<Violation> {
+        let mut faults = Vec::new();
+        for (index, target) in targets.iter().enumerate() {
+            self.check_place(target, &mut faults);
+            for other in &targets[..index] {
+                self.check_pair(other, target, &mut faults);
+            }
+            for (agent, knowledge) in (0..).map(AgentId).zip(agents) {
+                let TargetTruth { id, location, .. } = *target;
+                if !knowledge.admits(id, location, GUARANTEE_TOLERANCE_M) {
+                    faults.push(Fault::Guarantee { agent, target: id, location });
+                }
+            }
+        }
+        self.check_speeds(step, targets, &mut faults);
+        self.previous = Some((step, targets.to_vec()));
+        self.record(step, faults)
+    }
+
+    /// Checks that no message appeared or disappeared.
+    pub fn check_messages(&mut self, step: Step, counts: MessageCounts) -> Option<Violation> {
+        let faults = if counts.conserved() {
+            Vec::new()
+        } else {
+            vec![Fault::MessageConservation { counts }]
+        };
+        self.record(step, faults).pop()
+    }
+
+    /// All violations so far.
+    pub fn counts(&self) -> ViolationCounts {
+        self.counts
+    }
+
+    fn record(&mut self, step: Step, faults: Vec<Fault>) -> Vec<Violation> {
+        faults.iter().for_each(|fault| self.counts.count(fault));
+        faults.into_iter().map(|fault| Violation { step, fault }).collect()
+    }
+
+    fn check_place(&self, target: &TargetTruth, faults: &mut Vec<Fault>) {
+        let TargetTruth { id: target, location, .. } = *target;
+        if !self.ground.contains(location) {
+            faults.push(Fault::OutsideRegion { target, location });
+        }
+        // The least number beyond the limit: a location at exactly the limit is a violation too.
+        let limit_m = self.model.obstacle_distance_m;
+        if let Some((obstacle, distance_m)) = self.walls.nearest_within(location, limit_m.next_up())
+        {
+            faults.push(Fault::ObstacleDistance { target, obstacle, distance_m, limit_m });
+        }
+    }
+
+    fn check_pair(&self, a: &TargetTruth, b: &TargetTruth, faults: &mut Vec<Fault>) {
+        let (distance_m, limit_m) =
+            (distance_m(a.location, b.location), self.model.target_distance_m);
+        let apart = distance_m > limit_m; // false for NaN
+        if !apart {
+            faults.push(Fault::TargetDistance { a: a.id, b: b.id, distance_m, limit_m });
+        }
+    }
+
+    fn check_speeds(&self, step: Step, targets: &[TargetTruth], faults: &mut Vec<Fault>) {
+        let Some((before, previous)) = &self.previous else { return };
+        let periods = f64::from(step.0.saturating_sub(before.0));
+        let limit_m = self.model.v_max_m_s * self.period_s * periods;
+        for target in targets {
+            let Some(old) = previous.iter().find(|old| old.id == target.id) else { continue };
+            let moved_m = distance_m(old.location, target.location);
+            let slow = moved_m <= limit_m + SPEED_TOLERANCE_M; // false for NaN
+            if !slow {
+                faults.push(Fault::Speed { target: target.id, moved_m, limit_m });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

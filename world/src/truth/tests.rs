@@ -1,0 +1,106 @@
+use super::*;
+use geo::polygon;
+
+struct Disc([f64; 2], f64);
+
+impl Knowledge for Disc {
+    fn admits(&self, _: TargetId, location: [f64; 2], tolerance_m: f64) -> bool {
+        distance_m(self.0, location) <= self.1 + tolerance_m
+    }
+}
+
+fn monitor() -> Monitor {
+    let wall = Obstacle {
+        footprint: polygon![
+            (x: 0.0, y: 0.0), (x: 10.0, y: 0.0), (x: 10.0, y: 10.0), (x: 0.0, y: 10.0)
+        ],
+        height_m: 9.0,
+        name: String::new(),
+    };
+    Monitor::new(Ground { size_m: [100.0; 2] }, TargetsModel::default(), 0.5, &[wall])
+}
+
+fn at(id: u16, x: f64, y: f64) -> TargetTruth {
+    TargetTruth { id: TargetId(id), location: [x, y], heading_rad: 0.0, speed_m_s: 0.5 }
+}
+
+fn faults(monitor: &mut Monitor, step: u32, targets: &[TargetTruth]) -> Vec<Fault> {
+    monitor.check(Step(step), &[], targets).into_iter().map(|v| v.fault).collect()
+}
+
+#[test]
+fn what_is_right_is_silent() {
+    let mut monitor = monitor();
+    let everywhere = Disc([0.0; 2], 500.0);
+    for step in 0..3 {
+        let x = -20.0 + 0.5 * f64::from(step);
+        let targets = [at(0, x, -2.6), at(1, 40.0, 40.0)];
+        assert_eq!(monitor.check(Step(step), &[&everywhere], &targets), []);
+    }
+    assert_eq!(monitor.counts().total(), 0);
+}
+
+#[test]
+fn the_guarantee_is_checked_for_every_agent_and_target() {
+    let mut monitor = monitor();
+    let (all, near) = (Disc([0.0; 2], 500.0), Disc([-30.0, 0.0], 1.0));
+    let targets = [at(0, -30.0, 1.000_9), at(1, 30.0, 30.0), at(2, -30.0, -20.0)];
+    let violations = monitor.check(Step(7), &[&all, &near], &targets);
+    let expected = |target: usize| Violation {
+        step: Step(7),
+        fault: Fault::Guarantee {
+            agent: AgentId(1),
+            target: TargetId(target as u16),
+            location: targets[target].location,
+        },
+    };
+    assert_eq!(violations, [expected(1), expected(2)]);
+    assert_eq!(monitor.counts().guarantee, 2);
+    // One millimetre and no more.
+    let violations = monitor.check(Step(7), &[&near], &[at(0, -30.0, 1.001_1)]);
+    assert_eq!(violations.len(), 2, "guarantee and speed: {violations:?}");
+}
+
+#[test]
+fn separations_are_strict() {
+    let mut monitor = monitor();
+    assert_eq!(faults(&mut monitor, 0, &[at(0, -2.500_001, 5.0)]), []);
+    let exact = faults(&mut monitor, 9, &[at(0, -2.5, 5.0)]);
+    assert!(matches!(exact[..], [Fault::ObstacleDistance { obstacle: 0, distance_m: 2.5, .. }]));
+    let pair = [at(0, -20.0, 0.0), at(1, -28.0, 0.0)];
+    let exact = faults(&mut monitor, 99, &pair);
+    assert!(matches!(exact[..], [Fault::TargetDistance { distance_m: 8.0, .. }]), "{exact:?}");
+}
+
+#[test]
+fn speed_and_region_are_checked() {
+    let mut monitor = monitor();
+    assert_eq!(faults(&mut monitor, 3, &[at(0, -40.0, 0.0)]), []);
+    assert_eq!(faults(&mut monitor, 5, &[at(0, -41.0, 0.0)]), []);
+    let fast = faults(&mut monitor, 6, &[at(0, -41.51, 0.0)]);
+    assert!(matches!(fast[..], [Fault::Speed { limit_m: 0.5, .. }]), "{fast:?}");
+    let out = faults(&mut monitor, 60, &[at(0, -50.1, 0.0)]);
+    assert!(matches!(out[..], [Fault::OutsideRegion { .. }]), "{out:?}");
+}
+
+#[test]
+fn what_is_not_a_number_violates() {
+    let mut monitor = monitor();
+    faults(&mut monitor, 0, &[at(0, -40.0, 0.0), at(1, 40.0, 40.0)]);
+    let nan = faults(&mut monitor, 1, &[at(0, f64::NAN, 0.0), at(1, 40.0, 40.0)]);
+    assert_eq!(nan.len(), 3, "region, pair, speed: {nan:?}");
+}
+
+#[test]
+fn messages_are_conserved() {
+    let mut monitor = monitor();
+    let counts = MessageCounts { sent: 10, duplicated: 2, delivered: 7, dropped: 4, in_flight: 1 };
+    assert_eq!(monitor.check_messages(Step(0), counts), None);
+    let leak = MessageCounts { in_flight: 0, ..counts };
+    let violation = monitor.check_messages(Step(1), leak).unwrap();
+    assert_eq!(violation.fault, Fault::MessageConservation { counts: leak });
+    assert_eq!(monitor.counts().message_conservation, 1);
+    let json = serde_json::to_value(&violation).unwrap();
+    assert_eq!(json["fault"]["kind"], "message-conservation");
+    assert_eq!(json["fault"]["counts"]["sent"], 10);
+}

@@ -1,0 +1,54 @@
+//! The mistakes of a scenario that show before anything is built.
+
+use csat_proto::model::FleetModel;
+
+use super::{WorldConfig, WorldError};
+
+/// Altitude of the lowest UAV, metres; of UAV 0 in an empty fleet.
+pub(super) fn lowest_altitude_m(fleet: &FleetModel) -> f64 {
+    fleet.altitude_of(0).min(fleet.altitude_of(fleet.count.saturating_sub(1)))
+}
+
+/// The mistakes in all tables but `[map]`.
+pub(super) fn mistakes(config: &WorldConfig) -> Vec<WorldError> {
+    let WorldConfig { targets, fleet, period_s, .. } = config;
+    let mut errors = Vec::new();
+    let mut expect = |holds: bool, key: &'static str, got: &dyn std::fmt::Debug, expected: &str| {
+        if !holds {
+            let (got, expected) = (format!("{got:?}"), expected.to_owned());
+            errors.push(WorldError::Config { key, got, expected });
+        }
+    };
+    let length = |x: f64| x.is_finite() && x >= 0.0;
+    let positive = |x: f64| x.is_finite() && x > 0.0;
+    let checks = [
+        ("targets.v_max_m_s", targets.v_max_m_s),
+        ("targets.obstacle_distance_m", targets.obstacle_distance_m),
+        ("targets.target_distance_m", targets.target_distance_m),
+        ("agents.speed_m_s", fleet.speed_m_s),
+        ("agents.start_offset_m", fleet.start_offset_m),
+    ];
+    for (key, value) in checks {
+        expect(length(value), key, &value, "a number from 0 up");
+    }
+    for (key, value) in
+        [("run.period_s", *period_s), ("agents.yaw_settling_s", fleet.yaw_settling_s)]
+    {
+        expect(positive(value), key, &value, "a number above 0, in seconds");
+    }
+    let step = fleet.altitude_step_m;
+    expect(step.is_finite(), "agents.altitude_step_m", &step, "a number, in metres");
+    let body = targets.body_m;
+    let body_ok = body.iter().all(|x| positive(*x));
+    expect(body_ok, "targets.body_m", &body, "three lengths above 0");
+    if body_ok {
+        // The shape lies in the cylinder C^t (3.4).
+        let radius = body[0].hypot(body[1]) / 2.0;
+        let expected = format!("at least {radius:.3}, half the diagonal of targets.body_m");
+        expect(targets.radius_m >= radius, "targets.radius_m", &targets.radius_m, &expected);
+        let height = targets.cylinder_height_m;
+        let expected = format!("at least {}, the height of targets.body_m", body[2]);
+        expect(height >= body[2], "targets.cylinder_height_m", &height, &expected);
+    }
+    errors
+}
