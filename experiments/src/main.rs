@@ -1,1 +1,26 @@
-fn main(){}
+//! The `csat` command.
+
+mod commands;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use csat_experiments::cli::{Cli, Command};
+use csat_experiments::logs::Logs;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let logs = Logs::install();
+    let result = match &cli.command {
+        Command::Run(arguments) => commands::run(arguments, &logs),
+        Command::Check(arguments) => commands::check(arguments),
+        Command::Plot { dir } => commands::plot(dir),
+    };
+    match result {
+        Ok(code) => ExitCode::from(code),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(commands::FAILED)
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! What the commands of `csat` do, with their exit codes.
+
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::Context;
+
+use csat_experiments::cli::{RunArguments, ScenarioArguments};
+use csat_experiments::logs::Logs;
+use csat_experiments::mission::{self, RunOptions};
+use csat_experiments::plot;
+use csat_experiments::record::{Finished, RecordError, RecordOptions, Recorder};
+use csat_experiments::run_folder::{Destination, FolderError};
+use csat_experiments::scenario::{self, Loaded, Mistakes, Request};
+
+/// Something failed.
+pub const FAILED: u8 = 1;
+/// Bad input: nothing was run.
+pub const BAD_INPUT: u8 = 2;
+/// The mission flew and what it must never do happened.
+pub const VIOLATED: u8 = 3;
+
+fn load(arguments: &ScenarioArguments) -> Result<Loaded, Mistakes> {
+    let ScenarioArguments { scenario, sets, seed } = arguments;
+    scenario::load(Request { scenario: scenario.as_deref(), sets, seed: *seed })
+}
+
+/// `csat check`.
+pub fn check(arguments: &ScenarioArguments) -> anyhow::Result<u8> {
+    let loaded = match load(arguments) {
+        Ok(loaded) => loaded,
+        Err(mistakes) => {
+            eprintln!("{mistakes}");
+            return Ok(BAD_INPUT);
+        }
+    };
+    for warning in &loaded.warnings {
+        eprintln!("{}", warning.render("warning"));
+    }
+    let scenario = &loaded.scenario;
+    let count = loaded.warnings.len();
+    let warnings = match count {
+        0 => String::new(),
+        1 => ", 1 warning".to_owned(),
+        _ => format!(", {count} warnings"),
+    };
+    println!(
+        "{}: no mistakes{warnings}: {} UAVs, {} targets, {} buildings, {} s",
+        loaded.name,
+        scenario.agents.count,
+        scenario.targets.count,
+        loaded.world.obstacles().len(),
+        scenario.run.duration_s
+    );
+    Ok(0)
+}
+
+/// `csat run`.
+pub fn run(arguments: &RunArguments, logs: &Logs) -> anyhow::Result<u8> {
+    let loaded = match load(&arguments.scenario) {
+        Ok(loaded) => loaded,
+        Err(mistakes) => {
+            eprintln!("{mistakes}");
+            return Ok(BAD_INPUT);
+        }
+    };
+    if let Some(threads) = arguments.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(usize::from(threads))
+            .build_global()
+            .context("cannot start the threads")?;
+    }
+    let destination = destination(arguments.out.as_deref(), &loaded);
+    let options = RecordOptions { destination, quiet: arguments.json };
+    let mut recorder = match Recorder::create(&loaded, &options) {
+        Ok(recorder) => recorder,
+        Err(RecordError::Folder(
+            error @ (FolderError::NotEmpty(_) | FolderError::NotAFolder(_)),
+        )) => {
+            eprintln!("error: {error}\n  = expected with --out a folder that is new or empty");
+            return Ok(BAD_INPUT);
+        }
+        Err(error) => return Err(error.into()),
+    };
+    let partial = recorder.partial_folder().to_owned();
+    let log = partial.join("csat.log");
+    logs.attach(File::create(&log).with_context(|| format!("cannot create `{}`", log.display()))?);
+    logs.share_terminal(recorder.progress().clone());
+    for warning in &loaded.warnings {
+        tracing::info!("{}", warning.render("warning").trim_end());
+    }
+    let interrupted = interrupted_by_the_user()?;
+    let finished = mission::run(loaded, &RunOptions { interrupted }, &mut recorder)
+        .map_err(anyhow::Error::from)
+        .and_then(|outcome| Ok(recorder.finish(outcome)?))
+        .with_context(|| {
+            format!(
+                "the run is not complete; its pieces are in `{}` (a file still being written ends \
+                 in .tmp)",
+                partial.display()
+            )
+        })?;
+    report(&finished, arguments.json)
+}
+
+fn destination(out: Option<&Path>, loaded: &Loaded) -> Destination {
+    match out {
+        Some(out) => Destination::Named(out.to_owned()),
+        None => {
+            let name = format!("{}-seed{}", loaded.name, loaded.scenario.seed);
+            Destination::Numbered(PathBuf::from("runs").join(name))
+        }
+    }
+}
+
+/// A flag that the first Ctrl-C sets; the second one ends the process at once.
+fn interrupted_by_the_user() -> anyhow::Result<Arc<AtomicBool>> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let seen = flag.clone();
+    ctrlc::set_handler(move || {
+        if seen.swap(true, Ordering::SeqCst) {
+            std::process::exit(130);
+        }
+        let _ = writeln!(std::io::stderr(), "\nending after this step; Ctrl-C again ends at once");
+    })
+    .context("cannot listen to Ctrl-C")?;
+    Ok(flag)
+}
+
+fn report(finished: &Finished, json: bool) -> anyhow::Result<u8> {
+    let Finished { folder, summary } = finished;
+    if json {
+        print!("{}", summary.to_json());
+    } else {
+        println!("{}", summary.describe());
+        println!("{}", folder.display());
+    }
+    if summary.violations > 0 {
+        eprintln!(
+            "VIOLATED {} times: the guarantee or a separation did not hold; see events.jsonl in \
+             `{}`, and fly it again with --seed {}",
+            summary.violations,
+            folder.display(),
+            summary.seed
+        );
+        return Ok(VIOLATED);
+    }
+    Ok(0)
+}
+
+/// `csat plot`.
+pub fn plot(dir: &Path) -> anyhow::Result<u8> {
+    for path in plot::redraw(dir)? {
+        println!("{}", path.display());
+    }
+    Ok(0)
+}

@@ -1,0 +1,98 @@
+//! Logs: warnings on stderr, more in the run folder.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use tracing_subscriber::EnvFilter;
+use tracing_subscriber::filter::LevelFilter;
+use tracing_subscriber::fmt::MakeWriter;
+use tracing_subscriber::layer::{Layer, SubscriberExt};
+use tracing_subscriber::util::SubscriberInitExt;
+
+use crate::progress::Progress;
+
+/// Where logs go. Clones share their targets.
+#[derive(Debug, Clone, Default)]
+pub struct Logs {
+    file: Arc<Mutex<Option<File>>>,
+    progress: Arc<Mutex<Option<Progress>>>,
+}
+
+impl Logs {
+    /// Makes this the process's log; `RUST_LOG` chooses what stderr gets (default: warnings).
+    pub fn install() -> Self {
+        let logs = Self::default();
+        let filter =
+            EnvFilter::builder().with_default_directive(LevelFilter::WARN.into()).from_env_lossy();
+        let terminal = tracing_subscriber::fmt::layer()
+            .without_time()
+            .with_target(false)
+            .with_writer(Terminal(logs.progress.clone()))
+            .with_filter(filter);
+        let file = tracing_subscriber::fmt::layer()
+            .without_time()
+            .with_ansi(false)
+            .with_writer(InFile(logs.file.clone()))
+            .with_filter(LevelFilter::INFO);
+        // A second subscriber in one process (tests) is refused; then the first one stays.
+        let _ = tracing_subscriber::registry().with(terminal).with(file).try_init();
+        logs
+    }
+
+    /// From now on also into this file.
+    pub fn attach(&self, file: File) {
+        *lock(&self.file) = Some(file);
+    }
+
+    /// From now on without tearing this bar.
+    pub fn share_terminal(&self, progress: Progress) {
+        *lock(&self.progress) = Some(progress);
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+struct Terminal(Arc<Mutex<Option<Progress>>>);
+
+impl Write for Terminal {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        match &*lock(&self.0) {
+            Some(progress) => progress.suspend(|| io::stderr().write(buffer)),
+            None => io::stderr().write(buffer),
+        }
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        io::stderr().flush()
+    }
+}
+
+impl<'a> MakeWriter<'a> for Terminal {
+    type Writer = Terminal;
+    fn make_writer(&'a self) -> Terminal {
+        Terminal(self.0.clone())
+    }
+}
+
+struct InFile(Arc<Mutex<Option<File>>>);
+
+impl Write for InFile {
+    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+        match &mut *lock(&self.0) {
+            Some(file) => file.write(buffer),
+            None => Ok(buffer.len()),
+        }
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        lock(&self.0).as_mut().map_or(Ok(()), Write::flush)
+    }
+}
+
+impl<'a> MakeWriter<'a> for InFile {
+    type Writer = InFile;
+    fn make_writer(&'a self) -> InFile {
+        InFile(self.0.clone())
+    }
+}

@@ -1,0 +1,285 @@
+//! The metrics of thesis §5.4.2, equations (5.36)-(5.45).
+
+use csat_proto::ids::TargetId;
+use csat_proto::model::Ground;
+use csat_proto::raster::{Grid, Raster};
+use csat_proto::region::Region;
+use serde::{Deserialize, Serialize};
+
+use crate::timing::StageTimes;
+
+/// One agent at one step: a row of `metrics.csv`. What is said of the fleet is the same in all rows
+/// of a step. Per cent are of the ground area φ(X_g).
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct StepRecord {
+    /// k.
+    pub step: u32,
+    /// k·T, seconds.
+    pub time_s: f64,
+    /// i.
+    pub agent: u16,
+    /// East, metres.
+    pub x_m: f64,
+    /// North, metres.
+    pub y_m: f64,
+    /// Altitude, metres.
+    pub z_m: f64,
+    /// Heading, radians.
+    pub yaw_rad: f64,
+    /// card(L_i).
+    pub identified: u16,
+    /// e^t_i (5.36), metres; `None` while L_i = ∅.
+    pub localization_error_m: Option<f64>,
+    /// Φ^t_i (5.37), square metres.
+    pub target_area_m2: Option<f64>,
+    /// Φ^{t,eq}_i (5.38), metres.
+    pub target_radius_m: Option<f64>,
+    /// φ(X̄_i), per cent.
+    pub unexplored_pct: f64,
+    /// φ(X̄_i ∩ X^h_i), per cent, with X^h of (5.43)-(5.44).
+    pub hidden_pct: f64,
+    /// This agent's term of (5.45), per cent; `None` when nothing is hidden nor expected to be.
+    pub oem_iou_pct: Option<f64>,
+    /// Vertices of all of the agent's sets.
+    pub vertices: u32,
+    /// Bytes that the agent sent in this step.
+    pub bytes_sent: u64,
+    /// Failures of the guarantee found in this agent at this step.
+    pub violations: u32,
+    /// Fleet: card(∪ L_i).
+    pub identified_union: u16,
+    /// Fleet: targets whose location lies in the footprint of at least one UAV.
+    pub targets_in_fov: u16,
+    /// Fleet: card(∪ D_i), targets that at least one CVS identified in this step.
+    pub targets_detected: u16,
+    /// Fleet: Φ^FoV (5.40), per cent.
+    pub footprint_pct: f64,
+    /// Fleet: Φ^g (5.41), per cent.
+    pub ground_seen_pct: f64,
+    /// Fleet: Φ^{g,cum} (5.42), per cent.
+    pub explored_pct: f64,
+    /// What the stages took; not in the file, which is the same for equal runs.
+    #[serde(skip)]
+    pub times: StageTimes,
+}
+
+impl StepRecord {
+    /// Fills in (5.36)-(5.38).
+    pub fn set_localization(&mut self, localization: Option<Localization>) {
+        self.localization_error_m = localization.map(|l| l.error_m);
+        self.target_area_m2 = localization.map(|l| l.area_m2);
+        self.target_radius_m = localization.map(|l| l.radius_m);
+    }
+
+    /// Fills in (5.40)-(5.42).
+    pub fn set_coverage(&mut self, coverage: CoveragePct) {
+        self.footprint_pct = coverage.footprint_pct;
+        self.ground_seen_pct = coverage.ground_seen_pct;
+        self.explored_pct = coverage.explored_pct;
+    }
+}
+
+/// How well an agent knows its identified targets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Localization {
+    /// Mean distance from the barycentre of the set to the target (5.36), metres.
+    pub error_m: f64,
+    /// Mean area of the sets (5.37), square metres.
+    pub area_m2: f64,
+    /// Mean radius of discs of those areas (5.38)-(5.39), metres.
+    pub radius_m: f64,
+}
+
+/// (5.36)-(5.38): `sets` are the X_ij of all j in L_i, `locations` the true x^g_j by index. Sets
+/// without area and indexes without a target do not count.
+pub fn localization<'a>(
+    sets: impl IntoIterator<Item = (TargetId, &'a Region)>,
+    locations: &[[f64; 2]],
+) -> Option<Localization> {
+    let (mut count, mut sum) = (0.0, Localization { error_m: 0.0, area_m2: 0.0, radius_m: 0.0 });
+    for (target, set) in sets {
+        let (Some(centre), Some(truth)) = (set.barycentre(), locations.get(usize::from(target.0)))
+        else {
+            continue;
+        };
+        count += 1.0;
+        sum.error_m += (centre[0] - truth[0]).hypot(centre[1] - truth[1]);
+        sum.area_m2 += set.area_m2();
+        sum.radius_m += equivalent_radius_m(set.area_m2());
+    }
+    (count > 0.0).then(|| Localization {
+        error_m: sum.error_m / count,
+        area_m2: sum.area_m2 / count,
+        radius_m: sum.radius_m / count,
+    })
+}
+
+/// φ^eq (5.39): the radius of a disc of this area, metres.
+pub fn equivalent_radius_m(area_m2: f64) -> f64 {
+    (area_m2 / std::f64::consts::PI).sqrt()
+}
+
+/// An area in per cent of the ground.
+pub fn percent_of(ground: &Ground, area_m2: f64) -> f64 {
+    100.0 * area_m2 / ground.area_m2()
+}
+
+/// φ(X̄ ∩ X^h) in per cent of the ground; cells of the raster count when their centre is in X̄.
+pub fn hidden_unexplored_pct(unexplored: &Region, hidden: &Raster, ground: &Ground) -> f64 {
+    let unexplored = Raster::of_region(*hidden.grid(), unexplored);
+    let cell_m2 = hidden.grid().cell_m.powi(2);
+    percent_of(ground, f64::from(unexplored.count_common(hidden)) * cell_m2)
+}
+
+/// One UAV's term of (5.45): intersection over union of the ground that is hidden, H^CVS, and the
+/// ground expected to be, H^OEM ∩ F, in per cent; `None` when both are empty.
+pub fn oem_iou_pct(hidden: &Raster, expected: &Raster) -> Option<f64> {
+    let common = hidden.count_common(expected);
+    let union = hidden.count() + expected.count() - common;
+    (union > 0).then(|| 100.0 * f64::from(common) / f64::from(union))
+}
+
+/// The number of targets in at least one footprint.
+pub fn targets_in_fov(footprints: &[Vec<[f64; 2]>], locations: &[[f64; 2]]) -> u16 {
+    let seen = |p: &&[f64; 2]| footprints.iter().any(|footprint| contains(footprint, **p));
+    locations.iter().filter(seen).count() as u16
+}
+
+/// Whether a polygon contains a point, by the even-odd rule.
+fn contains(polygon: &[[f64; 2]], p: [f64; 2]) -> bool {
+    let mut inside = false;
+    for (i, a) in polygon.iter().enumerate() {
+        let b = polygon[(i + 1) % polygon.len()];
+        if (a[1] > p[1]) != (b[1] > p[1])
+            && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+        {
+            inside = !inside;
+        }
+    }
+    inside
+}
+
+/// What the fleet watches and has watched, (5.40)-(5.42), on a raster.
+#[derive(Debug, Clone)]
+pub struct Coverage {
+    ground: Ground,
+    footprint: Raster,
+    seen: Raster,
+    explored: Raster,
+}
+
+/// (5.40)-(5.42) at one step, in per cent of the ground.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CoveragePct {
+    /// Φ^FoV (5.40).
+    pub footprint_pct: f64,
+    /// Φ^g (5.41).
+    pub ground_seen_pct: f64,
+    /// Φ^{g,cum} (5.42).
+    pub explored_pct: f64,
+}
+
+impl Coverage {
+    /// Nothing watched yet. Areas are counted in cells of `cell_m`: 1 m makes an error below 0.1 %
+    /// of the region.
+    pub fn new(ground: Ground, cell_m: f64) -> Self {
+        let empty = Raster::empty(Grid::covering(&ground, cell_m));
+        Self { ground, footprint: empty.clone(), seen: empty.clone(), explored: empty }
+    }
+
+    /// Adds one UAV's footprint F and clear ground C of the current step.
+    pub fn add(&mut self, footprint: &[[f64; 2]], clear_ground: &Region) {
+        // Each ring on its own raster pass: two footprints that overlap must not cancel out.
+        self.footprint.fill_rings(&[footprint]);
+        self.seen.fill_region(clear_ground);
+    }
+
+    /// Ends the step.
+    pub fn finish_step(&mut self) -> CoveragePct {
+        self.explored.union_with(&self.seen);
+        let percent = |raster: &Raster| percent_of(&self.ground, raster.area_m2()).min(100.0);
+        let result = CoveragePct {
+            footprint_pct: percent(&self.footprint),
+            ground_seen_pct: percent(&self.seen),
+            explored_pct: percent(&self.explored),
+        };
+        let empty = Raster::empty(*self.seen.grid());
+        (self.footprint, self.seen) = (empty.clone(), empty);
+        result
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GROUND: Ground = Ground { size_m: [100.0, 100.0] };
+
+    fn square(x: f64, y: f64, side: f64) -> Region {
+        let ring = [[x, y], [x + side, y], [x + side, y + side], [x, y + side]];
+        Region::from_shapes(vec![vec![
+            ring.iter().map(|&p| csat_proto::region::grid_point(p)).collect(),
+        ]])
+    }
+
+    #[test]
+    fn localization_by_hand() {
+        let (a, b) = (square(0.0, 0.0, 2.0), square(10.0, 10.0, 4.0));
+        let locations = [[1.0, 1.0], [0.0, 0.0], [12.0, 17.0]];
+        let found = localization([(TargetId(0), &a), (TargetId(2), &b)], &locations).unwrap();
+        assert!((found.error_m - 2.5).abs() < 1e-9);
+        assert!((found.area_m2 - 10.0).abs() < 1e-9);
+        let radius =
+            ((4.0 / std::f64::consts::PI).sqrt() + (16.0 / std::f64::consts::PI).sqrt()) / 2.0;
+        assert!((found.radius_m - radius).abs() < 1e-9);
+        assert_eq!(localization([], &locations), None);
+        assert_eq!(
+            localization([(TargetId(9), &a), (TargetId(0), &Region::EMPTY)], &locations),
+            None
+        );
+    }
+
+    #[test]
+    fn hidden_counts_only_what_is_unexplored() {
+        let grid = Grid::covering(&GROUND, 2.0);
+        let hidden = Raster::of_region(grid, &square(0.0, 0.0, 20.0));
+        let unexplored = square(10.0, 0.0, 40.0);
+        let pct = hidden_unexplored_pct(&unexplored, &hidden, &GROUND);
+        assert!((pct - 2.0).abs() < 1e-9, "{pct}");
+    }
+
+    #[test]
+    fn iou_by_hand() {
+        let grid = Grid::covering(&GROUND, 1.0);
+        let a = Raster::of_region(grid, &square(0.0, 0.0, 10.0));
+        let b = Raster::of_region(grid, &square(5.0, 0.0, 10.0));
+        assert!((oem_iou_pct(&a, &b).unwrap() - 100.0 / 3.0).abs() < 1e-9);
+        assert_eq!(oem_iou_pct(&Raster::empty(grid), &Raster::empty(grid)), None);
+    }
+
+    #[test]
+    fn coverage_is_a_union_and_cumulates() {
+        let mut coverage = Coverage::new(GROUND, 1.0);
+        let footprint = [[-60.0, 0.0], [0.0, 0.0], [0.0, 50.0], [-60.0, 50.0]];
+        coverage.add(&footprint, &square(-50.0, 0.0, 10.0));
+        coverage.add(&footprint, &square(-45.0, 0.0, 10.0));
+        let first = coverage.finish_step();
+        assert_eq!(
+            first,
+            CoveragePct { footprint_pct: 25.0, ground_seen_pct: 1.5, explored_pct: 1.5 }
+        );
+        coverage.add(&[], &square(0.0, 0.0, 10.0));
+        let second = coverage.finish_step();
+        assert_eq!(
+            second,
+            CoveragePct { footprint_pct: 0.0, ground_seen_pct: 1.0, explored_pct: 2.5 }
+        );
+    }
+
+    #[test]
+    fn targets_count_once_however_many_see_them() {
+        let footprint = vec![[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
+        let locations = [[5.0, 5.0], [50.0, 5.0], [1.0, 9.0]];
+        assert_eq!(targets_in_fov(&[footprint.clone(), footprint], &locations), 2);
+    }
+}

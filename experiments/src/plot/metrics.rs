@@ -1,0 +1,280 @@
+//! `metrics.svg`: the curves of thesis figures 5.9-5.13.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use super::PlotError;
+use super::reference::{self, Published, SPAN_S};
+use crate::series::{Point, Series};
+use crate::summary::Summary;
+
+const SIZE_PX: (u32, u32) = (1240, 1360);
+const HEADER_PX: i32 = 62;
+const BLUE: RGBColor = RGBColor(0, 114, 178);
+const ORANGE: RGBColor = RGBColor(213, 94, 0);
+const GREY: RGBColor = RGBColor(90, 90, 90);
+const TEXT: RGBColor = RGBColor(34, 34, 34);
+
+/// One curve of a panel.
+struct Curve {
+    name: &'static str,
+    colour: RGBColor,
+    value: fn(&Point) -> Option<f64>,
+    published: Option<Published>,
+}
+
+/// One panel.
+struct Panel {
+    title: &'static str,
+    unit: &'static str,
+    /// The axis reaches at least this far.
+    at_least: f64,
+    /// ... and no farther than this.
+    at_most: f64,
+    curves: Vec<Curve>,
+}
+
+/// Draws a mission's metrics over time, with the thesis's means for `str3`, κ = 1 dashed.
+///
+/// # Errors
+/// When the plotting library refuses.
+pub fn metrics_svg(summary: &Summary, series: &Series) -> Result<String, PlotError> {
+    let mut svg = String::new();
+    draw(summary, series, &mut svg).map_err(|e| PlotError::Draw(e.to_string()))?;
+    Ok(svg)
+}
+
+type Error = Box<dyn std::error::Error>;
+
+fn draw(summary: &Summary, series: &Series, svg: &mut String) -> Result<(), Error> {
+    let root = SVGBackend::with_string(svg, SIZE_PX).into_drawing_area();
+    root.fill(&WHITE)?;
+    let (header, body) = root.split_vertically(HEADER_PX);
+    let title = format!(
+        "{}, seed {}: {} UAVs, {} targets, {} s",
+        summary.scenario, summary.seed, summary.agents, summary.targets, summary.sim_s
+    );
+    header.draw_text(&title, &("sans-serif", 24).into_font().color(&TEXT), (20, 14))?;
+    let note = "solid: this run, mean of the agents; dashed: thesis, str3 with kappa = 1, mean of \
+                10 runs over 150-300 s, shaded: its standard deviation";
+    header.draw_text(note, &("sans-serif", 14).into_font().color(&GREY), (20, 42))?;
+    for (area, panel) in body.split_evenly((4, 2)).iter().zip(panels()) {
+        draw_panel(area, &panel, summary, series)?;
+    }
+    root.present()?;
+    Ok(())
+}
+
+fn panels() -> Vec<Panel> {
+    let thesis = reference::str3_kappa1();
+    let curve = |name, colour, value, published| Curve { name, colour, value, published };
+    let one = |title, unit, at_least, at_most, value: fn(&Point) -> Option<f64>, published| Panel {
+        title,
+        unit,
+        at_least,
+        at_most,
+        curves: vec![curve("", BLUE, value, Some(published))],
+    };
+    let two = |title, unit, a: Curve, b: Curve| Panel {
+        title,
+        unit,
+        at_least: if unit == "%" { 10.0 } else { 1.0 },
+        at_most: if unit == "%" { 100.0 } else { f64::INFINITY },
+        curves: vec![a, b],
+    };
+    vec![
+        two(
+            "Identified targets (fig. 5.9 left)",
+            "targets",
+            curve("by an agent, mean", BLUE, |p| Some(p.identified), None),
+            curve("by the fleet", ORANGE, |p| Some(f64::from(p.identified_union)), None),
+        ),
+        two(
+            "Targets in view (fig. 5.9 right)",
+            "targets",
+            curve("located in a footprint", GREY, |p| Some(f64::from(p.targets_in_fov)), None),
+            curve("identified in a frame", ORANGE, |p| Some(f64::from(p.targets_detected)), None),
+        ),
+        one(
+            "Localisation error (fig. 5.10)",
+            "m",
+            2.0,
+            15.0,
+            |p| p.means.localization_error_m,
+            thesis.localization_error_m,
+        ),
+        one(
+            "Target set, radius of equal area (fig. 5.10)",
+            "m",
+            20.0,
+            100.0,
+            |p| p.means.target_radius_m,
+            thesis.target_radius_m,
+        ),
+        two(
+            "Unexplored ground (fig. 5.11)",
+            "%",
+            curve(
+                "unexplored",
+                BLUE,
+                |p| Some(p.means.unexplored_pct),
+                Some(thesis.unexplored_pct),
+            ),
+            curve("its hidden part", ORANGE, |p| Some(p.means.hidden_pct), Some(thesis.hidden_pct)),
+        ),
+        two(
+            "Ground in view (fig. 5.12)",
+            "%",
+            curve("footprint", BLUE, |p| Some(p.means.footprint_pct), Some(thesis.footprint_pct)),
+            curve(
+                "seen as ground",
+                ORANGE,
+                |p| Some(p.means.ground_seen_pct),
+                Some(thesis.ground_seen_pct),
+            ),
+        ),
+        one(
+            "Explored ground (fig. 5.13)",
+            "%",
+            100.0,
+            100.0,
+            |p| Some(p.means.explored_pct),
+            thesis.explored_pct,
+        ),
+        one(
+            "OEM against hidden ground, intersection over union (fig. 5.14)",
+            "%",
+            100.0,
+            100.0,
+            |p| p.means.oem_iou_pct,
+            thesis.oem_iou_pct,
+        ),
+    ]
+}
+
+fn draw_panel(
+    area: &DrawingArea<SVGBackend<'_>, Shift>,
+    panel: &Panel,
+    summary: &Summary,
+    series: &Series,
+) -> Result<(), Error> {
+    let end_s = series.0.last().map_or(1.0, |p| p.time_s).max(1e-3);
+    let (top, legend) = axis(panel, summary, series);
+    let mut chart = ChartBuilder::on(area)
+        .margin(14)
+        .caption(panel.title, ("sans-serif", 17).into_font().color(&TEXT))
+        .x_label_area_size(36)
+        .y_label_area_size(52)
+        .build_cartesian_2d(0.0..end_s, 0.0..top)?;
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .bold_line_style(BLACK.mix(0.12))
+        .axis_style(BLACK.mix(0.5))
+        .x_desc("time, s")
+        .y_desc(panel.unit)
+        .x_labels(7)
+        .y_labels(6)
+        .x_label_formatter(&|x| format!("{x:.0}"))
+        .y_label_formatter(&|y| if top < 3.0 { format!("{y:.1}") } else { format!("{y:.0}") })
+        .label_style(("sans-serif", 13).into_font().color(&TEXT))
+        .axis_desc_style(("sans-serif", 14).into_font().color(&TEXT))
+        .draw()?;
+    let span = [SPAN_S[0].min(end_s), SPAN_S[1].min(end_s)];
+    for curve in &panel.curves {
+        if let Some([mean, deviation]) = curve.published {
+            let corners = [(span[0], mean - deviation), (span[1], (mean + deviation).min(top))];
+            chart.draw_series([Rectangle::new(corners, curve.colour.mix(0.10).filled())])?;
+            let ends = span.map(|t| (t, mean)).into_iter();
+            let style = curve.colour.stroke_width(2);
+            chart.draw_series(DashedLineSeries::new(ends, 7, 5, style))?;
+        }
+    }
+    if panel.unit == "targets" {
+        let all = f64::from(summary.targets);
+        let ends = [(0.0, all), (end_s, all)].into_iter();
+        chart.draw_series(DashedLineSeries::new(ends, 2, 4, GREY.stroke_width(1)))?;
+    }
+    for curve in &panel.curves {
+        let style = curve.colour.stroke_width(2);
+        for run in unbroken(series, curve.value, top) {
+            chart.draw_series(LineSeries::new(run, style))?;
+        }
+        let name = legend_text(curve, panel.unit, series);
+        let colour = curve.colour;
+        // An empty series carries the legend once, however many pieces the curve has.
+        chart
+            .draw_series(LineSeries::new(std::iter::empty(), style))?
+            .label(name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(3)));
+    }
+    chart
+        .configure_series_labels()
+        .position(legend)
+        .margin(8)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.25))
+        .label_font(("sans-serif", 13).into_font().color(&TEXT))
+        .draw()?;
+    Ok(())
+}
+
+/// Name, mean over the second half, and the thesis's.
+fn legend_text(curve: &Curve, unit: &str, series: &Series) -> String {
+    let half_s = series.0.last().map_or(0.0, |p| p.time_s / 2.0);
+    let values: Vec<f64> =
+        series.0.iter().filter(|p| p.time_s >= half_s).filter_map(curve.value).collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let name = if curve.name.is_empty() { "second half" } else { curve.name };
+    let ours = if values.is_empty() { "-".to_owned() } else { format!("{mean:.2}") };
+    match curve.published {
+        Some([published, deviation]) => {
+            format!("{name}: {ours} {unit} (thesis {published} ± {deviation})")
+        }
+        None => format!("{name}: {ours}"),
+    }
+}
+
+/// The top of the axis and the corner that the legend goes to: where the second half leaves room, or
+/// above it, on an axis made higher.
+fn axis(panel: &Panel, summary: &Summary, series: &Series) -> (f64, SeriesLabelPosition) {
+    let half_s = series.0.last().map_or(0.0, |p| p.time_s / 2.0);
+    let (mut top, mut low, mut high) = (panel.at_least, f64::INFINITY, 0.0f64);
+    for curve in &panel.curves {
+        for point in &series.0 {
+            let Some(value) = (curve.value)(point).filter(|v| v.is_finite()) else { continue };
+            top = top.max(value);
+            if point.time_s >= half_s {
+                (low, high) = (low.min(value), high.max(value));
+            }
+        }
+        if let Some([mean, deviation]) = curve.published {
+            top = top.max(mean + deviation);
+            (low, high) = (low.min(mean - deviation), high.max(mean + deviation));
+        }
+    }
+    if panel.unit == "targets" {
+        top = top.max(f64::from(summary.targets));
+    }
+    top = (top * 1.05).min(panel.at_most);
+    if high < 0.72 * top {
+        (top, SeriesLabelPosition::UpperRight)
+    } else if low > 0.3 * top {
+        (top, SeriesLabelPosition::LowerRight)
+    } else {
+        ((high / 0.72).max(top), SeriesLabelPosition::UpperRight)
+    }
+}
+
+/// The stretches of a curve where it has a value; what is above the axis is cut at its top.
+fn unbroken(series: &Series, value: fn(&Point) -> Option<f64>, top: f64) -> Vec<Vec<(f64, f64)>> {
+    let mut runs = vec![Vec::new()];
+    for point in &series.0 {
+        match value(point).filter(|v| v.is_finite()) {
+            Some(v) => runs.last_mut().expect("never empty").push((point.time_s, v.min(top))),
+            None => runs.push(Vec::new()),
+        }
+    }
+    runs.retain(|run| !run.is_empty());
+    runs
+}

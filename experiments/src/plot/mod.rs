@@ -1,0 +1,84 @@
+//! Pictures of a run: `map.svg` and `metrics.svg`.
+
+mod canvas;
+mod layers;
+mod legend;
+mod map;
+mod metrics;
+mod reference;
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+
+use crate::metrics::StepRecord;
+use crate::run_folder::{FolderError, PartialFile};
+use crate::series::Series;
+use crate::summary::Summary;
+use crate::view::View;
+
+pub use map::map_svg;
+pub use metrics::metrics_svg;
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum PlotError {
+    /// The plotting library refused.
+    #[error("metrics.svg: {0}")]
+    Draw(String),
+    /// A file of the run folder is missing or cannot be read.
+    #[error("cannot read `{}`: {reason}; expected the folder of a finished run", path.display())]
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A picture could not be written.
+    #[error(transparent)]
+    Write(#[from] FolderError),
+}
+
+/// Draws the pictures of a finished run again; gives their paths.
+///
+/// # Errors
+/// When the folder is not that of a finished run, or the system refuses.
+pub fn redraw(folder: &Path) -> Result<[PathBuf; 2], PlotError> {
+    let view: View = read_json(&folder.join("view.json"))?;
+    let summary: Summary = read_json(&folder.join("summary.json"))?;
+    let series = Series::from_rows(&read_rows(&folder.join("metrics.csv"))?);
+    let pictures = [
+        (folder.join("map.svg"), map_svg(&view)),
+        (folder.join("metrics.svg"), metrics_svg(&summary, &series)?),
+    ];
+    for (path, picture) in &pictures {
+        let mut file = PartialFile::create(path.clone())?;
+        file.write_text(picture)?;
+        file.finish()?;
+    }
+    Ok(pictures.map(|(path, _)| path))
+}
+
+fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, PlotError> {
+    let refuse = |reason: String| PlotError::Read { path: path.to_owned(), reason };
+    let text = std::fs::read_to_string(path).map_err(|e| refuse(e.to_string()))?;
+    serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))
+}
+
+fn read_rows(path: &Path) -> Result<Vec<StepRecord>, PlotError> {
+    let refuse = |e: csv::Error| PlotError::Read { path: path.to_owned(), reason: e.to_string() };
+    csv::Reader::from_path(path)
+        .map_err(refuse)?
+        .deserialize()
+        .collect::<Result<_, _>>()
+        .map_err(refuse)
+}
+
+/// Colours for UAVs: Okabe and Ito's, without the yellow and green that sets have.
+pub(crate) const UAV_COLOURS: [&str; 8] =
+    ["#0072B2", "#D55E00", "#CC79A7", "#111111", "#56B4E9", "#8C510A", "#E69F00", "#5D3A9B"];
+
+/// The colour of a UAV.
+pub(crate) fn uav_colour(index: usize) -> &'static str {
+    UAV_COLOURS[index % UAV_COLOURS.len()]
+}

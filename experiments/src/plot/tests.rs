@@ -1,0 +1,272 @@
+use csat_proto::message::OemCell;
+use csat_proto::model::Ground;
+use csat_proto::raster::{Grid, Raster};
+
+use super::*;
+use crate::scenario::{self, Request};
+use crate::series::{Means, Point};
+use crate::testing::scratch;
+use crate::view::{self, Building, Knowledge, Ring, UavTrack};
+
+/// `CSAT_SHOW=folder cargo test` leaves the pictures there, to be looked at.
+fn show(name: &str, svg: &str) {
+    if let Ok(folder) = std::env::var("CSAT_SHOW") {
+        std::fs::write(Path::new(&folder).join(name), svg).unwrap();
+    }
+}
+
+fn rectangle([x, y]: [f64; 2], [width, depth]: [f64; 2]) -> Ring {
+    vec![[x, y], [x + width, y], [x + width, y + depth], [x, y + depth]]
+}
+
+/// A town of blocks with streets every 95 m, as the generator makes them.
+fn town() -> (Vec<Building>, Vec<Ring>) {
+    let (mut buildings, mut roads) = (Vec::new(), Vec::new());
+    for i in 0..6 {
+        let at = -237.5 + 95.0 * f64::from(i);
+        roads.push(vec![[at, -250.0], [at, 250.0]]);
+        roads.push(vec![[-250.0, at], [250.0, at]]);
+        for j in 0..5 {
+            let corner = [-215.0 + 95.0 * f64::from(i.min(4)), -205.0 + 95.0 * f64::from(j)];
+            let size = [14.0 + f64::from((i * 7 + j * 3) % 12), 12.0 + f64::from((i + j * 5) % 18)];
+            let height_m = 8.0 + f64::from((i * 13 + j * 29) % 37);
+            buildings.push(Building { rings: vec![rectangle(corner, size)], height_m });
+        }
+    }
+    buildings[7].rings.push(vec![[-115.0, 0.0], [-115.0, 4.0], [-110.0, 4.0], [-110.0, 0.0]]);
+    (buildings, roads)
+}
+
+fn knowledge(buildings: &[Building]) -> Knowledge {
+    let ground = Ground { size_m: [500.0, 500.0] };
+    let mut hidden = Raster::empty(Grid::covering(&ground, 2.0));
+    let grid = Grid::covering(&ground, 5.0);
+    let mut oem = vec![OemCell::Unexplored; grid.cells()];
+    for (column, row) in (0..grid.cells() as u32).map(|i| (i % grid.columns, i / grid.columns)) {
+        if column > 20 || row > 60 {
+            oem[grid.index(column, row)] = OemCell::Empty;
+        }
+    }
+    for building in buildings.iter().skip(4) {
+        let [x, y] = building.rings[0][2];
+        hidden.fill_rings(&[vec![
+            [x, y - 20.0],
+            [x + 45.0, y + 6.0],
+            [x + 45.0, y + 34.0],
+            [x, y],
+        ]]);
+        for p in &building.rings[0] {
+            let (column, row) = grid.cell_of(*p).unwrap();
+            let height_dm = (building.height_m * 10.0) as u16;
+            for (c, r) in [(0, 0), (1, 0), (0, 1)] {
+                oem[grid.index(column + c, row + r)] = OemCell::Occupied { height_dm };
+            }
+        }
+    }
+    let margin = |b: &Building| {
+        let [a, c] = [b.rings[0][0], b.rings[0][2]];
+        vec![rectangle([a[0] - 2.5, a[1] - 2.5], [c[0] - a[0] + 5.0, c[1] - a[1] + 5.0])]
+    };
+    Knowledge {
+        unexplored: vec![
+            vec![
+                vec![
+                    [-250.0, -250.0],
+                    [-150.0, -250.0],
+                    [-120.0, -100.0],
+                    [-160.0, 60.0],
+                    [-250.0, 90.0],
+                ],
+                vec![[-200.0, -60.0], [-200.0, -20.0], [-170.0, -20.0], [-170.0, -60.0]],
+            ],
+            vec![vec![[120.0, 250.0], [180.0, 160.0], [250.0, 150.0], [250.0, 250.0]]],
+        ],
+        targets: [(0, -43.0, 120.0), (2, 52.0, -40.0), (3, 147.0, 40.0), (5, 40.0, 147.0)]
+            .map(|(j, x, y)| (j, vec![vec![rectangle([x - 9.0, y - 14.0], [18.0, 28.0])]]))
+            .to_vec(),
+        obstacle_margin: buildings.iter().skip(6).map(margin).collect(),
+        hidden: view::cells(&hidden),
+        oem: view::oem(&grid, &oem),
+    }
+}
+
+fn sample_view() -> View {
+    let (obstacles, roads) = town();
+    let turn = |i: f64, k: u32| {
+        let t = f64::from(k) / 60.0;
+        let radius = 60.0 + 30.0 * i;
+        [
+            -260.0 + 330.0 * (t * 0.9).min(1.0) + radius * (t * 6.0 + i).sin() * t.min(1.0),
+            -45.0 + 30.0 * i + radius * (1.0 - (t * 5.0 + 2.0 * i).cos()) * t.min(1.0) - 40.0 * t,
+        ]
+    };
+    let uavs = (0..4u8).map(|i| {
+        let path: Vec<[f64; 2]> = (0..90).map(|k| turn(f64::from(i), k)).collect();
+        let [a, b] = [path[88], path[89]];
+        let yaw_rad = (b[1] - a[1]).atan2(b[0] - a[0]);
+        let corner = |ahead: f64, left: f64| {
+            let (s, c) = yaw_rad.sin_cos();
+            [b[0] + ahead * c - left * s, b[1] + ahead * s + left * c]
+        };
+        let footprint = vec![
+            corner(48.0, -29.0),
+            corner(230.0, -98.0),
+            corner(230.0, 98.0),
+            corner(48.0, 29.0),
+        ];
+        UavTrack { path, yaw_rad, footprint }
+    });
+    let car = |x: f64, y: f64| (0..60).map(|k| [x, y - 30.0 + 0.5 * f64::from(k)]).collect();
+    let agents = vec![knowledge(&obstacles)];
+    View {
+        scenario: "city".into(),
+        seed: 1,
+        time_s: 300.0,
+        size_m: [500.0, 500.0],
+        uavs: uavs.collect(),
+        targets: vec![
+            car(-43.0, 120.0),
+            car(-237.0, -140.0),
+            car(52.0, -40.0),
+            car(147.0, 40.0),
+            car(240.0, 200.0),
+            car(40.0, 147.0),
+        ],
+        agents,
+        obstacles,
+        roads,
+        attribution: Some("© OpenStreetMap contributors, ODbL 1.0".into()),
+    }
+}
+
+fn sample_series() -> Series {
+    let wave = |t: f64, period: f64| (t / period).sin();
+    Series(
+        (0..=600)
+            .map(|k| {
+                let t = f64::from(k) * 0.5;
+                let decay = (-t / 60.0).exp();
+                let identified = (8.0 * (1.0 - (-t / 35.0).exp())).round();
+                Point {
+                    time_s: t,
+                    identified: identified - if k % 7 == 0 { 0.25 } else { 0.0 },
+                    identified_union: identified as u16,
+                    targets_in_fov: (3.0 + 2.4 * wave(t, 9.0)) as u16,
+                    targets_detected: (2.0 + 1.9 * wave(t, 9.0)) as u16,
+                    means: Means {
+                        unexplored_pct: 20.0 + 80.0 * decay + 2.0 * wave(t, 12.0),
+                        hidden_pct: 12.0 * (1.0 - decay) + 1.5 * wave(t, 12.0),
+                        explored_pct: 94.0 * (1.0 - decay),
+                        footprint_pct: 28.0 + 4.0 * wave(t, 7.0),
+                        ground_seen_pct: 21.0 + 3.0 * wave(t, 7.0),
+                        localization_error_m: (k > 20).then_some(1.0 + 0.4 * wave(t, 5.0).abs()),
+                        target_radius_m: (k > 20).then_some(14.0 + 4.0 * wave(t, 20.0)),
+                        oem_iou_pct: (k % 50 != 0)
+                            .then_some(75.0 * (1.0 - decay) + 6.0 * wave(t, 4.0)),
+                    },
+                }
+            })
+            .collect(),
+    )
+}
+
+fn sample_summary() -> Summary {
+    Summary {
+        scenario: "city".into(),
+        seed: 1,
+        agents: 4,
+        targets: 8,
+        sim_s: 300.0,
+        ..crate::summary::tests::sample()
+    }
+}
+
+#[test]
+fn the_map_shows_every_layer() {
+    let svg = map_svg(&sample_view());
+    show("map.svg", &svg);
+    for class in [
+        "roads",
+        "buildings",
+        "unexplored",
+        "hidden",
+        "margin",
+        "oem",
+        "targets",
+        "target-labels",
+        "cars",
+        "uavs",
+        "footprint",
+        "legend",
+        "scale-bar",
+        "north",
+        "oem-filled",
+        "heights",
+    ] {
+        assert!(svg.contains(&format!("class=\"{class}\"")), "{class}");
+    }
+    assert!(svg.contains("city, seed 1, t = 300 s"));
+    assert!(svg.contains("4 of 6 cars identified"));
+    assert!(svg.contains("© OpenStreetMap contributors"));
+    assert_eq!(svg.matches("class=\"uav\"").count(), 4);
+    assert_eq!(svg.matches("class=\"car\"").count(), 6);
+    assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    assert_eq!(svg, map_svg(&sample_view()), "equal views give equal pictures");
+}
+
+#[test]
+fn an_empty_mission_can_be_drawn() {
+    let view = View { size_m: [300.0, 100.0], ..View::default() };
+    assert!(!map_svg(&view).contains("NaN"));
+    let svg = metrics_svg(&sample_summary(), &Series::default()).unwrap();
+    assert!(!svg.contains("NaN"));
+}
+
+#[test]
+fn the_metrics_show_every_panel_beside_the_thesis() {
+    let svg = metrics_svg(&sample_summary(), &sample_series()).unwrap();
+    show("metrics.svg", &svg);
+    for words in ["fig. 5.9 left", "fig. 5.10", "fig. 5.11", "fig. 5.12", "fig. 5.13", "OEM"] {
+        assert!(svg.contains(words), "{words}");
+    }
+    assert!(svg.contains("thesis 22.06 ± 2.35"));
+    assert!(!svg.contains("NaN"));
+}
+
+#[test]
+fn the_embedded_reference_is_the_published_one() {
+    let row = reference::str3_kappa1();
+    assert_eq!(row.unexplored_pct, [22.06, 2.35]);
+    assert_eq!(row.oem_iou_pct, [74.38, 9.25]);
+}
+
+#[test]
+fn a_run_is_drawn_again_from_its_folder() {
+    let folder = scratch("redraw");
+    let missing = redraw(&folder).unwrap_err().to_string();
+    assert!(missing.starts_with("cannot read `"), "{missing}");
+    assert!(missing.ends_with("expected the folder of a finished run"), "{missing}");
+    let view = sample_view();
+    std::fs::write(folder.join("view.json"), serde_json::to_string(&view).unwrap()).unwrap();
+    std::fs::write(folder.join("summary.json"), sample_summary().to_json()).unwrap();
+    let mut rows = csv::Writer::from_path(folder.join("metrics.csv")).unwrap();
+    let row = StepRecord { unexplored_pct: 42.0, ..StepRecord::default() };
+    rows.serialize(row).unwrap();
+    rows.serialize(StepRecord { step: 1, time_s: 0.5, oem_iou_pct: Some(7.5), ..row }).unwrap();
+    rows.flush().unwrap();
+    let [map, metrics] = redraw(&folder).unwrap();
+    assert_eq!(std::fs::read_to_string(map).unwrap(), map_svg(&view));
+    assert!(std::fs::read_to_string(metrics).unwrap().contains("unexplored: 42.00 %"));
+    assert!(!folder.join("map.svg.tmp").exists());
+}
+
+#[test]
+fn real_towns_are_drawn_with_their_attribution() {
+    let request = Request { scenario: Some("helsinki-17"), ..Request::default() };
+    let loaded = scenario::load(request).unwrap();
+    let view = View { time_s: 300.0, ..View::of_town(&loaded) };
+    let svg = map_svg(&view);
+    show("helsinki-17.svg", &svg);
+    assert!(svg.contains("OpenStreetMap contributors"));
+    assert!(view.obstacles.len() > 20 && svg.contains("helsinki-17, seed 1"));
+}

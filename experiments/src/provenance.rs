@@ -1,0 +1,70 @@
+//! `provenance.json`: what it takes to fly the same mission again.
+
+use serde::{Deserialize, Serialize};
+
+/// Where a run comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Version of `csat`.
+    pub version: String,
+    /// Git revision it was built from; `None` when not built in a repository.
+    pub git_revision: Option<String>,
+    /// Whether that tree had changes that were not committed.
+    pub git_dirty: Option<bool>,
+    /// The compiler.
+    pub rustc: String,
+    /// `debug` or `release`.
+    pub profile: String,
+    /// The command line.
+    pub arguments: Vec<String>,
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Its seed.
+    pub seed: u64,
+    /// The line that whoever shows the map has to show with it.
+    pub map_attribution: Option<String>,
+    /// What it ran on.
+    pub machine: Machine,
+}
+
+/// A computer.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Machine {
+    /// Operating system and architecture.
+    pub platform: String,
+    /// Model of the processor, if it says so.
+    pub cpu: Option<String>,
+    /// Cores available to the process.
+    pub cores: usize,
+    /// Threads used.
+    pub threads: usize,
+}
+
+impl Provenance {
+    /// Of this program and process, for a run of `scenario` with `seed`.
+    pub fn collect(scenario: &str, seed: u64, map_attribution: Option<String>) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            git_revision: option_env!("CSAT_GIT_REVISION").map(str::to_owned),
+            git_dirty: option_env!("CSAT_GIT_DIRTY").map(|dirty| dirty == "true"),
+            rustc: option_env!("CSAT_RUSTC").unwrap_or("unknown").to_owned(),
+            profile: if cfg!(debug_assertions) { "debug" } else { "release" }.to_owned(),
+            arguments: std::env::args().collect(),
+            scenario: scenario.to_owned(),
+            seed,
+            map_attribution,
+            machine: Machine {
+                platform: format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH),
+                cpu: cpu_model(),
+                cores: std::thread::available_parallelism().map_or(1, usize::from),
+                threads: rayon::current_num_threads(),
+            },
+        }
+    }
+}
+
+fn cpu_model() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}

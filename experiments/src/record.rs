@@ -1,0 +1,220 @@
+//! Writing a run down while it flies.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use crate::metrics::StepRecord;
+use crate::plot;
+use crate::progress::Progress;
+use crate::provenance::Provenance;
+use crate::run_folder::{Destination, FolderError, PartialFile, RunFolder};
+use crate::scenario::Loaded;
+use crate::series::{Point, Series};
+use crate::summary::{Messages, Summary};
+use crate::timing::{Stopwatch, Timing};
+use crate::view::View;
+
+/// Why a run could not be written down.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The folder or a file of it.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// A row of `metrics.csv`.
+    #[error("cannot write a row of `{}`: {error}", path.display())]
+    Csv {
+        /// The file.
+        path: PathBuf,
+        /// What the csv crate said, the system's reason included.
+        error: csv::Error,
+    },
+    /// A line of `events.jsonl`.
+    #[error("cannot write an event as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// A picture.
+    #[error("cannot draw: {0}")]
+    Plot(#[from] plot::PlotError),
+}
+
+/// Where and how to record.
+#[derive(Debug, Clone)]
+pub struct RecordOptions {
+    /// The folder.
+    pub destination: Destination,
+    /// Whether the progress bar is hidden even on a terminal.
+    pub quiet: bool,
+}
+
+/// What a mission leaves besides its steps and events.
+#[derive(Debug, Clone, Default)]
+pub struct Outcome {
+    /// Steps flown.
+    pub steps: u32,
+    /// Simulated time flown, seconds.
+    pub sim_s: f64,
+    /// Whether it was ended early.
+    pub interrupted: bool,
+    /// Failures of the guarantee and of the other things that the monitor proves.
+    pub violations: u64,
+    /// `inconsistent` events.
+    pub inconsistencies: u64,
+    /// What became of the messages.
+    pub messages: Messages,
+    /// Bytes that agents sent.
+    pub bytes_sent: u64,
+    /// Hash of every agent's state at every step.
+    pub digest: u64,
+    /// The end, to be drawn.
+    pub view: View,
+}
+
+/// A run that was written down.
+#[derive(Debug, Clone)]
+pub struct Finished {
+    /// Its folder.
+    pub folder: PathBuf,
+    /// `summary.json`.
+    pub summary: Summary,
+}
+
+/// Writes a run folder. Dropped without [`Self::finish`], it leaves the hidden partial folder.
+#[derive(Debug)]
+pub struct Recorder {
+    folder: RunFolder,
+    scenario: String,
+    seed: u64,
+    agents: u16,
+    targets: u16,
+    metrics: csv::Writer<PartialFile>,
+    events: PartialFile,
+    series: Series,
+    timing: Timing,
+    violations: u64,
+    progress: Progress,
+    watch: Stopwatch,
+}
+
+impl Recorder {
+    /// Starts the folder and writes down what is known before the start.
+    ///
+    /// # Errors
+    /// When the folder is taken or the system refuses.
+    pub fn create(loaded: &Loaded, options: &RecordOptions) -> Result<Self, RecordError> {
+        let scenario = &loaded.scenario;
+        let folder = RunFolder::create(options.destination.clone())?;
+        folder.write("scenario.resolved.toml", &scenario.to_toml())?;
+        let attribution = loaded.world.map().attribution.clone();
+        let provenance = Provenance::collect(&loaded.name, scenario.seed, attribution);
+        folder.write("provenance.json", &(serde_json::to_string_pretty(&provenance)? + "\n"))?;
+        let metrics = csv::Writer::from_writer(folder.file("metrics.csv")?);
+        let events = folder.file("events.jsonl")?;
+        Ok(Self {
+            scenario: loaded.name.clone(),
+            seed: scenario.seed,
+            agents: scenario.agents.count,
+            targets: scenario.targets.count,
+            metrics,
+            events,
+            series: Series::default(),
+            timing: Timing::default(),
+            violations: 0,
+            progress: Progress::new(scenario.steps(), scenario.targets.count, options.quiet),
+            watch: Stopwatch::start(),
+            folder,
+        })
+    }
+
+    /// Where the files are while the run lasts.
+    pub fn partial_folder(&self) -> &Path {
+        self.folder.partial()
+    }
+
+    /// The bar, for whoever writes to the same terminal.
+    pub fn progress(&self) -> &Progress {
+        &self.progress
+    }
+
+    /// Takes down one step: one row per agent, by increasing index.
+    ///
+    /// # Errors
+    /// When the system refuses, as when the disk is full.
+    pub fn step(&mut self, rows: &[StepRecord]) -> Result<(), RecordError> {
+        for row in rows {
+            self.metrics.serialize(row).map_err(|error| self.csv_error(error))?;
+            self.timing.add(&row.times);
+            self.violations += u64::from(row.violations);
+        }
+        if let Some(point) = Point::of(rows) {
+            self.progress.step(&point, self.violations);
+            self.series.0.push(point);
+        }
+        Ok(())
+    }
+
+    /// Takes down one event: a line of `events.jsonl`.
+    ///
+    /// # Errors
+    /// When it is not JSON or the system refuses.
+    pub fn event(&mut self, event: &impl Serialize) -> Result<(), RecordError> {
+        let line = serde_json::to_string(event)? + "\n";
+        Ok(self.events.write_text(&line)?)
+    }
+
+    /// Writes the rest and gives the folder its final name.
+    ///
+    /// # Errors
+    /// When the system refuses; the partial folder stays.
+    pub fn finish(self, outcome: Outcome) -> Result<Finished, RecordError> {
+        self.progress.clear();
+        let summary = self.summarise(&outcome);
+        let Self { folder, metrics, events, series, .. } = self;
+        let path = folder.partial().join("metrics.csv");
+        let file = metrics.into_inner().map_err(|e| RecordError::Csv {
+            path: path.clone(),
+            error: csv::Error::from(std::io::Error::new(e.error().kind(), e.error().to_string())),
+        })?;
+        file.finish()?;
+        events.finish()?;
+        folder.write("view.json", &(serde_json::to_string(&outcome.view)? + "\n"))?;
+        folder.write("map.svg", &plot::map_svg(&outcome.view))?;
+        folder.write("metrics.svg", &plot::metrics_svg(&summary, &series)?)?;
+        // Last: a folder with a summary is a whole one.
+        folder.write("summary.json", &summary.to_json())?;
+        Ok(Finished { folder: folder.finish()?, summary })
+    }
+
+    fn summarise(&self, outcome: &Outcome) -> Summary {
+        let wall_s = self.watch.elapsed_s();
+        let last = self.series.0.last().copied().unwrap_or_default();
+        Summary {
+            scenario: self.scenario.clone(),
+            seed: self.seed,
+            agents: self.agents,
+            targets: self.targets,
+            steps: outcome.steps,
+            interrupted: outcome.interrupted,
+            violations: outcome.violations,
+            inconsistencies: outcome.inconsistencies,
+            identified: last.identified_union,
+            all_identified_s: self.series.all_identified_s(self.targets),
+            means: self.series.second_half(),
+            last: last.means,
+            messages: outcome.messages.clone(),
+            bytes_sent: outcome.bytes_sent,
+            timing_ms: self.timing.summary(),
+            wall_s,
+            sim_s: outcome.sim_s,
+            realtime_factor: outcome.sim_s / wall_s.max(1e-9),
+            digest: format!("{:016x}", outcome.digest),
+        }
+    }
+
+    fn csv_error(&self, error: csv::Error) -> RecordError {
+        RecordError::Csv { path: self.folder.partial().join("metrics.csv"), error }
+    }
+}
+
+#[cfg(test)]
+#[path = "record_tests.rs"]
+mod tests;

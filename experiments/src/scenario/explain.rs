@@ -1,0 +1,156 @@
+//! Serde's errors in the words of somebody who writes scenarios.
+
+use super::mistake::{Mistake, did_you_mean};
+use super::read::Unit;
+use super::source::Site;
+use super::tree::{self, Node, Table};
+
+/// What deserialising one unit came to.
+#[derive(Debug)]
+pub struct Failure {
+    /// Serde's message.
+    pub message: String,
+    /// The key inside the unit that is to blame, when the unit is a table.
+    pub culprit: Option<String>,
+}
+
+/// The place and the text of the mistake in `unit`.
+pub fn explain(
+    tree: &Table,
+    defaults: &toml::Table,
+    unit: &Unit<'_>,
+    failure: &Failure,
+) -> (Site, Mistake) {
+    let message = failure.message.as_str();
+    let named = quoted(message).next().unwrap_or_default();
+    if message.starts_with("unknown field") {
+        return unknown_key(tree, defaults, unit, named, message);
+    }
+    let culprit = failure.culprit.as_deref();
+    let inner = culprit.and_then(|key| unit.node.child(key));
+    let node = inner.unwrap_or(unit.node);
+    let mut path = unit.path.join(".");
+    if let (Some(key), Some(_)) = (culprit, inner) {
+        path = format!("{path}.{key}");
+    }
+    if message.starts_with("unknown variant") {
+        return unknown_variant(unit, node, &path, named, message);
+    }
+    if let Some(key) = message.strip_prefix("missing field ") {
+        let text = format!("`{path}` lacks the key {key}");
+        return (node.value.clone(), Mistake::new(text));
+    }
+    let (what, expected) = match message.rsplit_once(", expected ") {
+        Some((what, expected)) => (what, Some(plain_type(expected))),
+        None => (message, None),
+    };
+    let what = what.strip_prefix("invalid type: ").unwrap_or(what);
+    let what = what.strip_prefix("invalid value: ").unwrap_or(what);
+    let what = match what {
+        "map" => "a table".to_owned(),
+        "sequence" => "a list".to_owned(),
+        other => match other.strip_prefix("invalid length ") {
+            Some(length) => format!("a list of {length}"),
+            None => other.replace("floating point", "number"),
+        },
+    };
+    let mut mistake = Mistake::new(format!("`{path}` cannot be {what}"));
+    if let Some(expected) = expected {
+        mistake = mistake.expected(expected);
+    }
+    (node.value.clone(), mistake)
+}
+
+fn unknown_key(
+    tree: &Table,
+    defaults: &toml::Table,
+    unit: &Unit<'_>,
+    named: &str,
+    message: &str,
+) -> (Site, Mistake) {
+    // The first key on the way that the defaults do not know; else one inside the unit.
+    let depth = (0..unit.path.len())
+        .find(|&i| unit.path[i] == named && !has_path(defaults, &unit.path[..=i]));
+    let (site, table) = match depth {
+        Some(depth) => {
+            let node = tree::exact(tree, &unit.path[..=depth].join("."));
+            (node.unwrap_or(unit.node).key.clone(), unit.path[..depth].join("."))
+        }
+        None => {
+            let node = unit.node.find_key(named).unwrap_or(unit.node);
+            (node.key.clone(), unit.path.join("."))
+        }
+    };
+    let table = if table.is_empty() { "a scenario".to_owned() } else { format!("[{table}]") };
+    let mut candidates: Vec<&str> = quoted(message).skip(1).collect();
+    candidates.dedup();
+    let mut mistake = Mistake::new(format!("unknown key `{named}` in {table}"));
+    if !candidates.is_empty() {
+        mistake = mistake.expected(one_of(&candidates));
+    }
+    if let Some(guess) = did_you_mean(named, candidates) {
+        mistake = mistake.help(guess);
+    }
+    (site, mistake)
+}
+
+fn unknown_variant(
+    unit: &Unit<'_>,
+    node: &Node,
+    path: &str,
+    named: &str,
+    message: &str,
+) -> (Site, Mistake) {
+    let candidates: Vec<&str> = quoted(message).skip(1).collect();
+    let inner = unit.node.find_key("model").filter(|n| n.to_value().as_str() == Some(named));
+    let path = if inner.is_some() { format!("{path}.model") } else { path.to_owned() };
+    let mut mistake = Mistake::new(format!("`{path}` cannot be `{named}`"));
+    mistake = mistake.expected(one_of(&candidates));
+    if let Some(guess) = did_you_mean(named, candidates) {
+        mistake = mistake.help(guess);
+    }
+    (inner.unwrap_or(node).value.clone(), mistake)
+}
+
+fn has_path(table: &toml::Table, path: &[String]) -> bool {
+    let Some((key, rest)) = path.split_first() else { return true };
+    match table.get(key) {
+        None => false,
+        Some(_) if rest.is_empty() => true,
+        Some(value) => value.as_table().is_some_and(|inner| has_path(inner, rest)),
+    }
+}
+
+/// The texts between backquotes.
+fn quoted(message: &str) -> impl Iterator<Item = &str> {
+    message.split('`').skip(1).step_by(2)
+}
+
+fn one_of(candidates: &[&str]) -> String {
+    let list: Vec<String> = candidates.iter().map(|c| format!("`{c}`")).collect();
+    match list.as_slice() {
+        [only] => only.clone(),
+        list => format!("one of {}", list.join(", ")),
+    }
+}
+
+/// What a Rust type is called by those who do not write Rust.
+fn plain_type(expected: &str) -> String {
+    match expected {
+        "u8" => "a whole number from 0 to 255".to_owned(),
+        "u16" => "a whole number from 0 to 65535".to_owned(),
+        "u32" => "a whole number from 0 to 4294967295".to_owned(),
+        "u64" | "usize" => "a whole number from 0 to 9223372036854775807".to_owned(),
+        "f64" => "a number".to_owned(),
+        "a string" => "a text in quotes".to_owned(),
+        "a boolean" => "`true` or `false`".to_owned(),
+        "a sequence" => "a list".to_owned(),
+        other => match other.strip_prefix("an array of length ") {
+            Some(length) => format!("a list of {length} values"),
+            None if other.starts_with("struct ") || other.starts_with("internally tagged") => {
+                "a table".to_owned()
+            }
+            None => other.to_owned(),
+        },
+    }
+}

@@ -1,0 +1,245 @@
+//! What a mission is: every number that decides how it goes, in one TOML file.
+//!
+//! A scenario is layered: the defaults (the paper's city), then a shipped scenario or a file, then
+//! `--set` in order, then `--seed`. [`load`] reports every mistake at once, each with its place.
+
+pub mod camera_check;
+mod explain;
+mod map_file;
+pub mod mistake;
+mod read;
+mod set;
+pub mod shipped;
+pub mod source;
+pub mod tree;
+mod validate;
+mod world;
+
+use std::path::Path;
+
+use csat_agent::config::{EstimatorConfig, ExchangeConfig, GuidanceConfig};
+use csat_netem::config::NetemConfig;
+use csat_proto::camera::CameraModel;
+use csat_proto::model::{FleetModel, Ground, TargetsModel};
+use csat_world::map::MapConfig;
+use csat_world::world::World;
+use serde::{Deserialize, Serialize};
+
+pub use map_file::MapText;
+pub use mistake::{Mistake, Mistakes, did_you_mean};
+use source::{Place, Source, Sources};
+
+/// A mission, in full.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Scenario {
+    /// What every random stream of the run is derived from.
+    pub seed: u64,
+    /// `[run]`.
+    pub run: RunConfig,
+    /// `[map]`: the town.
+    pub map: MapConfig,
+    /// `[targets]`: the cars.
+    pub targets: TargetsModel,
+    /// `[agents]`: the fleet.
+    pub agents: FleetModel,
+    /// `[camera]`.
+    pub camera: CameraModel,
+    /// `[estimator]`.
+    pub estimator: EstimatorConfig,
+    /// `[guidance]`.
+    pub guidance: GuidanceConfig,
+    /// `[exchange]`.
+    pub exchange: ExchangeConfig,
+    /// `[netem]`: what the links do.
+    pub netem: NetemConfig,
+}
+
+impl Default for Scenario {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            run: RunConfig::default(),
+            map: MapConfig::default(),
+            targets: TargetsModel::default(),
+            agents: FleetModel::default(),
+            camera: CameraModel::default(),
+            estimator: EstimatorConfig::default(),
+            guidance: GuidanceConfig::default(),
+            exchange: ExchangeConfig::default(),
+            netem: NetemConfig::default(),
+        }
+    }
+}
+
+/// `[run]`: how long.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RunConfig {
+    /// Simulated seconds.
+    pub duration_s: f64,
+    /// T, seconds between frames.
+    pub period_s: f64,
+}
+
+impl Default for RunConfig {
+    fn default() -> Self {
+        Self { duration_s: 300.0, period_s: 0.5 }
+    }
+}
+
+impl Scenario {
+    /// The number of steps; step k is at k·T and the last one not later than the duration.
+    pub fn steps(&self) -> u32 {
+        (self.run.duration_s / self.run.period_s + 1e-9).floor() as u32
+    }
+
+    /// X_g.
+    pub fn ground(&self) -> Ground {
+        Ground { size_m: self.map.size_m }
+    }
+
+    /// The scenario in full as TOML; loading it gives an equal scenario.
+    pub fn to_toml(&self) -> String {
+        toml::to_string_pretty(self).expect("a loaded scenario is TOML")
+    }
+}
+
+/// What to load.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Request<'a> {
+    /// A shipped name or a path; `None` is the first shipped one.
+    pub scenario: Option<&'a str>,
+    /// `--set` arguments, later ones winning.
+    pub sets: &'a [String],
+    /// `--seed`.
+    pub seed: Option<u64>,
+}
+
+/// A scenario that may run.
+#[derive(Debug)]
+pub struct Loaded {
+    /// The shipped name, or the file's name without its ending.
+    pub name: String,
+    /// The scenario.
+    pub scenario: Scenario,
+    /// The file of an imported town.
+    pub map: Option<MapText>,
+    /// The world at step 0.
+    pub world: World,
+    /// What is allowed but probably not meant.
+    pub warnings: Vec<Mistake>,
+    sources: Sources,
+    tree: tree::Table,
+}
+
+impl Loaded {
+    /// Where a dotted key, or else the nearest table around it, was written. For mistakes that show
+    /// only later, such as a map without room for the cars.
+    pub fn place(&self, key: &str) -> Option<Place> {
+        tree::deepest(&self.tree, key).map(|node| self.sources.place(&node.value))
+    }
+}
+
+/// Loads a scenario.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
+    let name = request.scenario.unwrap_or(shipped::SCENARIOS[0].name);
+    let mut mistakes = Vec::new();
+    let mut sources = Sources::default();
+    let mut tree = match open(name) {
+        Ok(source) => {
+            let index = sources.push(source);
+            let parsed = tree::parse(&sources, index, &mut mistakes);
+            // What a parser recovers after a syntax error would only raise false alarms.
+            if mistakes.is_empty() { parsed } else { tree::Table::new() }
+        }
+        Err(mistake) => {
+            mistakes.push(mistake);
+            tree::Table::new()
+        }
+    };
+    for argument in request.sets {
+        let over = set::parse(&mut sources, argument, &mut mistakes);
+        tree::merge(&mut tree, over);
+    }
+    if let Some(seed) = request.seed {
+        let source = Source {
+            name: "--seed".to_owned(),
+            text: format!("seed={seed}"),
+            is_file: false,
+            folder: None,
+        };
+        let index = sources.push(source);
+        tree::merge(&mut tree, tree::parse(&sources, index, &mut mistakes));
+    }
+    let mut scenario = read::read(&sources, &tree, &mut mistakes);
+    let map = map_file::resolve(&mut scenario, &sources, &tree, &mut mistakes);
+    let mut warnings = Vec::new();
+    let mut judged = Vec::new();
+    for issue in validate::validate(&scenario) {
+        let written = issue.keys.iter().find_map(|key| tree::exact(&tree, key));
+        let place = written.map(|node| sources.place(&node.value));
+        if issue.is_warning {
+            warnings.push(issue.mistake.at(place));
+        } else {
+            mistakes.push(issue.mistake.at(place));
+            judged.extend(issue.keys);
+        }
+    }
+    let world = world::make(&scenario, map.as_ref(), &sources, &tree, &judged, &mut mistakes);
+    match world {
+        Some(world) if mistakes.is_empty() => {
+            let name = stem(name);
+            warnings.extend(world.warnings().iter().map(|w| Mistake::new(w.to_string())));
+            Ok(Loaded { name, scenario, map, world, warnings, sources, tree })
+        }
+        _ => Err(Mistakes(mistakes)),
+    }
+}
+
+/// Finds the text of a scenario.
+fn open(name: &str) -> Result<Source, Mistake> {
+    let path = Path::new(name);
+    // A name without an ending means a shipped scenario even where a folder is called the same.
+    if let Some(shipped) = shipped::scenario(name) {
+        return Ok(Source {
+            name: format!("{}.toml", shipped.name),
+            text: shipped.text.to_owned(),
+            is_file: true,
+            folder: None,
+        });
+    }
+    match std::fs::read_to_string(path) {
+        Ok(text) => Ok(Source {
+            name: name.to_owned(),
+            text,
+            is_file: true,
+            folder: Some(path.parent().unwrap_or(Path::new("")).to_owned()),
+        }),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            let mistake = Mistake::new(format!("there is no scenario `{name}`")).expected(format!(
+                "a TOML file or one of {}",
+                quoted_list(shipped::scenario_names())
+            ));
+            Err(match did_you_mean(name, shipped::scenario_names()) {
+                Some(guess) => mistake.help(guess),
+                None => mistake,
+            })
+        }
+        Err(error) => Err(Mistake::new(format!("cannot read the scenario `{name}`: {error}"))),
+    }
+}
+
+fn stem(name: &str) -> String {
+    Path::new(name).file_stem().map_or_else(|| name.to_owned(), |s| s.to_string_lossy().into())
+}
+
+fn quoted_list(names: impl Iterator<Item = &'static str>) -> String {
+    names.map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests;

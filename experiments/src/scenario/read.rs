@@ -1,0 +1,212 @@
+//! From a tree of nodes to a [`Scenario`], with every mistake of type or name found on its own.
+//!
+//! Serde stops at the first error. So every value that somebody wrote is applied *alone* onto the
+//! defaults and deserialised: each wrong one gives its own error, at its own place.
+
+use serde::Deserialize;
+
+use super::Scenario;
+use super::explain::{Failure, explain};
+use super::mistake::Mistake;
+use super::source::{Site, Sources};
+use super::tree::{self, Kind, Node, Table};
+
+/// Reads a scenario. Values with mistakes are left at their defaults, so that the rest can still
+/// be judged.
+pub fn read(sources: &Sources, tree: &Table, mistakes: &mut Vec<Mistake>) -> Scenario {
+    let defaults = default_table();
+    let mut units = Vec::new();
+    collect(tree, &defaults, &mut Vec::new(), &mut units);
+    let mut accepted = defaults.clone();
+    let mut seen: Vec<(Site, String)> = Vec::new();
+    for unit in &units {
+        let failures = judge(&defaults, unit);
+        if failures.is_empty() {
+            apply_accepted(&mut accepted, unit);
+        }
+        for failure in failures {
+            let (site, mistake) = explain(tree, &defaults, unit, &failure);
+            // A table of an unknown name is one mistake, however much it holds.
+            if !seen.iter().any(|(s, m)| *s == site && *m == mistake.message) {
+                seen.push((site.clone(), mistake.message.clone()));
+                mistakes.push(mistake.at(Some(sources.place(&site))));
+            }
+        }
+    }
+    Scenario::deserialize(toml::Value::Table(accepted)).unwrap_or_else(|error| {
+        mistakes.push(Mistake::new(format!("these values do not fit together: {error}")));
+        Scenario::default()
+    })
+}
+
+/// Everything wrong with one unit.
+fn judge(defaults: &toml::Table, unit: &Unit<'_>) -> Vec<Failure> {
+    let mut failures = Vec::new();
+    let mut value = unit.value.clone();
+    while let Some(failure) = attempt(defaults, unit, &value) {
+        // In a table that is judged as a whole, the key to blame is the one without which this
+        // error is gone. Taken out, it lets the next error show.
+        let without = |key: &str| {
+            let mut rest = value.clone();
+            entries(&mut rest)?.remove(key);
+            Some(rest)
+        };
+        let culprit = entries(&mut value.clone()).and_then(|table| {
+            table.keys().filter(|key| *key != "model").find_map(|key| {
+                let rest = without(key)?;
+                let next = attempt(defaults, unit, &rest);
+                let changed = next.is_none_or(|n| n.message != failure.message);
+                changed.then(|| (key.clone(), rest))
+            })
+        });
+        let lacks_removed = failures.iter().any(|f: &Failure| {
+            f.culprit
+                .as_ref()
+                .is_some_and(|key| failure.message == format!("missing field `{key}`"))
+        });
+        if lacks_removed {
+            break;
+        }
+        match culprit {
+            Some((key, rest)) => {
+                failures.push(Failure { culprit: Some(key), ..failure });
+                value = rest;
+            }
+            None => {
+                failures.push(failure);
+                break;
+            }
+        }
+    }
+    failures
+}
+
+/// The table of a unit that is one.
+fn entries(value: &mut toml::Value) -> Option<&mut toml::Table> {
+    match value {
+        toml::Value::Table(table) => Some(table),
+        toml::Value::Array(array) if array.len() == 1 => array[0].as_table_mut(),
+        _ => None,
+    }
+}
+
+fn attempt(defaults: &toml::Table, unit: &Unit<'_>, value: &toml::Value) -> Option<Failure> {
+    let mut candidate = defaults.clone();
+    apply(&mut candidate, &unit.path, value.clone(), unit.replaces);
+    let error = Scenario::deserialize(toml::Value::Table(candidate)).err()?;
+    Some(Failure { message: error.message().to_owned(), culprit: None })
+}
+
+/// The default scenario as plain TOML.
+pub fn default_table() -> toml::Table {
+    toml::Table::try_from(Scenario::default()).expect("the default scenario is TOML")
+}
+
+/// A value that is judged on its own: a leaf, an array, a table that names its `model`, or one
+/// table of an array of tables.
+#[derive(Debug)]
+pub struct Unit<'a> {
+    /// The keys on the way.
+    pub path: Vec<String>,
+    /// Where it is written.
+    pub node: &'a Node,
+    /// What takes the default's place.
+    pub value: toml::Value,
+    /// Whether the default's entries are dropped first.
+    replaces: bool,
+    /// Whether it is one element of an array, to be appended when accepted.
+    is_element: bool,
+}
+
+fn collect<'a>(
+    table: &'a Table,
+    defaults: &toml::Table,
+    path: &mut Vec<String>,
+    units: &mut Vec<Unit<'a>>,
+) {
+    for (key, node) in table {
+        path.push(key.clone());
+        let default = defaults.get(key);
+        let unit = |value, replaces, is_element| Unit {
+            path: path.clone(),
+            node,
+            value,
+            replaces,
+            is_element,
+        };
+        match &node.kind {
+            Kind::Table(inner) if is_tagged(inner, default) => {
+                units.push(unit(toml::Value::Table(tagged(inner, default)), true, false));
+            }
+            Kind::Table(inner) if !inner.is_empty() => {
+                let empty = toml::Table::new();
+                let below = default.and_then(toml::Value::as_table).unwrap_or(&empty);
+                collect(inner, below, path, units);
+            }
+            Kind::Array(elements)
+                if !elements.is_empty()
+                    && elements.iter().all(|e| matches!(e.kind, Kind::Table(_))) =>
+            {
+                for element in elements {
+                    let value = toml::Value::Array(vec![element.to_value()]);
+                    units.push(Unit { node: element, ..unit(value, true, true) });
+                }
+            }
+            _ => units.push(unit(node.to_value(), false, false)),
+        }
+        path.pop();
+    }
+}
+
+fn is_tagged(table: &Table, default: Option<&toml::Value>) -> bool {
+    table.contains_key("model") || default.is_some_and(|d| d.get("model").is_some())
+}
+
+/// A table that names its model, with what it does not say taken from a default of that model.
+fn tagged(table: &Table, default: Option<&toml::Value>) -> toml::Table {
+    let own = tree::to_toml(table);
+    let Some(default) = default.and_then(toml::Value::as_table) else { return own };
+    if own.get("model").is_some_and(|model| default.get("model") != Some(model)) {
+        return own;
+    }
+    let mut all = default.clone();
+    all.extend(own);
+    all
+}
+
+fn apply_accepted(accepted: &mut toml::Table, unit: &Unit<'_>) {
+    if unit.is_element
+        && let Some(toml::Value::Array(present)) = lookup_mut(accepted, &unit.path)
+        && let toml::Value::Array(new) = &unit.value
+    {
+        present.extend(new.iter().cloned());
+        return;
+    }
+    apply(accepted, &unit.path, unit.value.clone(), unit.replaces);
+}
+
+fn lookup_mut<'a>(table: &'a mut toml::Table, path: &[String]) -> Option<&'a mut toml::Value> {
+    let (last, way) = path.split_last()?;
+    way.iter().try_fold(table, |table, key| table.get_mut(key)?.as_table_mut())?.get_mut(last)
+}
+
+fn apply(table: &mut toml::Table, path: &[String], value: toml::Value, replaces: bool) {
+    let Some((key, rest)) = path.split_first() else { return };
+    if rest.is_empty() {
+        // An empty table says nothing about a table that has defaults.
+        let keeps = !replaces
+            && value.as_table().is_some_and(toml::Table::is_empty)
+            && table.get(key).is_some_and(toml::Value::is_table);
+        if !keeps {
+            table.insert(key.clone(), value);
+        }
+        return;
+    }
+    let entry = table.entry(key.clone()).or_insert_with(|| toml::Value::Table(toml::Table::new()));
+    if !entry.is_table() {
+        *entry = toml::Value::Table(toml::Table::new());
+    }
+    if let toml::Value::Table(inner) = entry {
+        apply(inner, rest, value, replaces);
+    }
+}

@@ -1,0 +1,45 @@
+//! Scenarios and maps inside the program, so that it works from any folder.
+
+/// A shipped scenario.
+#[derive(Debug, Clone, Copy)]
+pub struct Shipped {
+    /// What `csat run` calls it.
+    pub name: &'static str,
+    /// Its TOML.
+    pub text: &'static str,
+}
+
+/// Every shipped scenario; the first is the default.
+pub const SCENARIOS: [Shipped; 3] = [
+    Shipped { name: "city", text: include_str!("../../scenarios/city.toml") },
+    Shipped { name: "helsinki-05", text: include_str!("../../scenarios/helsinki-05.toml") },
+    Shipped { name: "helsinki-17", text: include_str!("../../scenarios/helsinki-17.toml") },
+];
+
+const MAPS: [(&str, &str); 2] = [
+    ("helsinki-05.geojson", include_str!("../../maps/helsinki-05.geojson")),
+    ("helsinki-17.geojson", include_str!("../../maps/helsinki-17.geojson")),
+];
+
+/// What `map.file` begins with when it names a map inside the program.
+pub const PREFIX: &str = "shipped:";
+
+/// The shipped scenario of this name.
+pub fn scenario(name: &str) -> Option<Shipped> {
+    SCENARIOS.into_iter().find(|s| s.name == name)
+}
+
+/// The text of a shipped map.
+pub fn map(name: &str) -> Option<&'static str> {
+    MAPS.into_iter().find(|(n, _)| *n == name).map(|(_, text)| text)
+}
+
+/// The names of all shipped scenarios.
+pub fn scenario_names() -> impl Iterator<Item = &'static str> {
+    SCENARIOS.into_iter().map(|s| s.name)
+}
+
+/// The names of all shipped maps.
+pub fn map_names() -> impl Iterator<Item = &'static str> {
+    MAPS.into_iter().map(|(name, _)| name)
+}

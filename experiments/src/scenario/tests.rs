@@ -1,0 +1,278 @@
+use std::path::PathBuf;
+
+use super::*;
+use crate::testing::scratch;
+
+fn load_with(scenario: &str, sets: &[&str]) -> Result<Loaded, Mistakes> {
+    let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
+    load(Request { scenario: Some(scenario), sets: &sets, seed: None })
+}
+
+/// Loads a file of this text, with paths in messages shortened to its name.
+fn mistakes_of(text: &str, sets: &[&str]) -> Vec<String> {
+    let folder = scratch("scenario");
+    let path = folder.join("my.toml");
+    std::fs::write(&path, text).unwrap();
+    let mistakes = load_with(&path.to_string_lossy(), sets).unwrap_err().0;
+    let prefix = format!("{}/", folder.display());
+    mistakes.iter().map(|m| m.to_string().replace(&prefix, "")).collect()
+}
+
+/// The only mistake of `--set` arguments on the city.
+fn set_mistake(sets: &[&str]) -> String {
+    let mistakes = load_with("city", sets).unwrap_err().0;
+    assert_eq!(mistakes.len(), 1, "{}", Mistakes(mistakes));
+    mistakes[0].to_string()
+}
+
+#[test]
+fn shipped_scenarios_load_and_survive_being_written_down() {
+    let folder = scratch("resolved");
+    for name in shipped::scenario_names() {
+        let sets = ["netem.radio.range_m=inf".to_owned(), "guidance.n_mpc=3".to_owned()];
+        let first = load(Request { scenario: Some(name), sets: &sets, seed: Some(77) }).unwrap();
+        assert_eq!((first.name.as_str(), first.scenario.seed), (name, 77));
+        let path = folder.join(format!("{name}.toml"));
+        std::fs::write(&path, first.scenario.to_toml()).unwrap();
+        let second = load_with(&path.to_string_lossy(), &[]).unwrap();
+        assert_eq!(second.scenario, first.scenario);
+        assert_eq!(second.world.map(), first.world.map());
+    }
+}
+
+/// `scenarios/city.toml` spells out the defaults that outside checks rely on.
+#[test]
+fn the_city_is_the_default_scenario() {
+    let loaded = load(Request::default()).unwrap();
+    assert_eq!((loaded.name.as_str(), loaded.scenario), ("city", Scenario::default()));
+}
+
+#[test]
+fn the_real_maps_are_inside_the_program() {
+    let loaded = load_with("helsinki-05", &["map.file=helsinki-17.geojson"]).unwrap();
+    let file = loaded.scenario.map.file.unwrap();
+    assert_eq!(file, PathBuf::from("shipped:helsinki-17.geojson"));
+    assert!(loaded.world.map().attribution.as_ref().unwrap().contains("OpenStreetMap"));
+}
+
+#[test]
+fn a_map_is_found_beside_its_scenario() {
+    let folder = scratch("beside");
+    std::fs::create_dir(folder.join("maps")).unwrap();
+    let text = shipped::map("helsinki-05.geojson").unwrap();
+    std::fs::write(folder.join("maps/mine.geojson"), text).unwrap();
+    let path = folder.join("my.toml");
+    std::fs::write(&path, "map = { kind = 'geojson', file = 'maps/mine.geojson' }").unwrap();
+    let loaded = load_with(&path.to_string_lossy(), &[]).unwrap();
+    let expected = folder.join("maps/mine.geojson").canonicalize().unwrap();
+    assert_eq!((loaded.name.as_str(), loaded.scenario.map.file), ("my", Some(expected)));
+}
+
+#[test]
+fn three_mistakes_are_three_messages_with_their_lines() {
+    let text = "seed = 1\n\n[camera]\ncolums = 480\nrows = \"many\"\n\n[agents]\ncount = 0\n";
+    assert_eq!(
+        mistakes_of(text, &[]),
+        [
+            "error: unknown key `colums` in [camera]\n --> my.toml:4:1\n  |\n4 | colums = 480\n  \
+             | ^^^^^^\n  = expected one of `columns`, `rows`, `aperture_deg`, `tilt_deg`, \
+             `d_max_m`, `depth_noise`, `min_pixels`, `box_error_px`, `assumption`\n  = did you \
+             mean `columns`?\n"
+                .replace(" --> ", "  --> "),
+            "error: `camera.rows` cannot be string \"many\"\n  --> my.toml:5:8\n  |\n5 | rows = \
+             \"many\"\n  |        ^^^^^^\n  = expected a whole number from 0 to 65535\n"
+                .to_owned(),
+            "error: `agents.count` cannot be 0\n  --> my.toml:8:9\n  |\n8 | count = 0\n  |         \
+             ^\n  = expected a whole number from 1 to 1024\n"
+                .to_owned(),
+        ]
+    );
+}
+
+#[test]
+fn every_kind_of_wrong_value_is_explained() {
+    let lines = |text: &str, sets: &[&str]| -> Vec<String> {
+        let all = mistakes_of(text, sets);
+        all.iter().map(|m| m.lines().next().unwrap_or_default().to_owned()).collect()
+    };
+    let text = "map = 5\nagents.cuont = 1\n[camra]\na = 1\nb = 2\n[guidance]\ncriterion = 'str9'\n\
+                n_mpc = -1\nlambda = [1]\nincrements_deg = 4\n[targets]\nbody_m = [1, 2]\n\
+                [netem.radio]\nloss = { model = 'iid', p = true, q = 1 }\ndelay = { mean_s = 'x' }\n";
+    assert_eq!(
+        lines(text, &[]),
+        [
+            "error: unknown key `cuont` in [agents]",
+            "error: unknown key `camra` in a scenario",
+            "error: `guidance.criterion` cannot be `str9`",
+            "error: `guidance.increments_deg` cannot be integer `4`",
+            "error: `guidance.lambda` cannot be a list",
+            "error: `guidance.n_mpc` cannot be integer `-1`",
+            "error: `map` cannot be integer `5`",
+            "error: `netem.radio.delay.mean_s` cannot be string \"x\"",
+            "error: `netem.radio.loss.p` cannot be boolean `true`",
+            "error: unknown key `q` in [netem.radio.loss]",
+            "error: `targets.body_m` cannot be a list of 2",
+        ]
+    );
+    let syntax = mistakes_of(
+        "seed = = 1
+
+[map]
+file = @
+",
+        &[],
+    )
+    .concat();
+    for part in ["error: not TOML: ", "my.toml:1:", "my.toml:4:"] {
+        assert!(syntax.contains(part), "{part} in {syntax}");
+    }
+    let model = mistakes_of("[netem.radio]\nloss = { model = 'idd', p = 0.1 }\n", &[]);
+    assert_eq!(
+        model,
+        ["error: `netem.radio.loss.model` cannot be `idd`\n  --> my.toml:2:18\n  |\n2 | loss = { \
+          model = 'idd', p = 0.1 }\n  |                  ^^^^^\n  = expected `iid`\n  = did you \
+          mean `iid`?\n"]
+    );
+}
+
+#[test]
+fn impossible_values_are_explained() {
+    for (set, got, expected) in [
+        ("run.period_s=0", "0", "a number above 0"),
+        ("run.duration_s=0.1", "0.1", "at least one period, 0.5 s, and at most 1000000 s"),
+        ("map.size_m=[5000, 500]", "[5000, 500]", "two lengths above 0 and up to 4000 m"),
+        ("targets.v_max_m_s=-1", "-1", "0 or a number above it"),
+        ("targets.v_max_m_s=inf", "inf", "0 or a number above it"),
+        ("targets.target_distance_m=5", "5", "more than two radii, 5 m, so that cars never touch"),
+        ("targets.radius_m=2", "2", "at least half the diagonal of targets.body_m, 2.470 m"),
+        ("targets.cylinder_height_m=1", "1", "at least the height of targets.body_m, 1.5 m"),
+        ("agents.count=1025", "1025", "a whole number from 1 to 1024"),
+        ("agents.speed_m_s=0", "0", "a number above 0"),
+        (
+            "agents.altitude_step_m=0",
+            "0",
+            "a number other than 0: each UAV has an altitude of its own",
+        ),
+        (
+            "agents.altitude_m=45",
+            "45 (the lowest UAV at 45 m)",
+            "all UAVs above the highest building, map.max_height_m = 45 m",
+        ),
+        ("camera.aperture_deg=180", "180", "an angle between 0 and 180 degrees, both excluded"),
+        (
+            "camera.depth_noise=[0.01, 0.02]",
+            "[0.01, 0.02]",
+            "an interval around 0 that begins above -1",
+        ),
+        ("camera.depth_noise=[-1, 0]", "[-1, 0]", "an interval around 0 that begins above -1"),
+        (
+            "camera.tilt_deg=-60",
+            "-60 (at 61 m altitude no ground within d_max is seen)",
+            "a camera that sees ground nearer than camera.d_max_m",
+        ),
+        ("estimator.disc_vertices=7", "7", "an even number from 4 to 256"),
+        ("guidance.n_mpc=7", "7", "a whole number from 1 to 6"),
+        ("guidance.period_s=0.7", "0.7", "a multiple of run.period_s = 0.5 s"),
+        ("guidance.plan_timeout_s=0.5", "0.5", "0 or more and below run.period_s = 0.5 s"),
+        ("guidance.increments_deg=[]", "empty", "1 to 32 angles from -180 to 180 degrees"),
+        ("exchange.snapshot_period_s=0.1", "0.1", "at least run.period_s = 0.5 s"),
+        ("exchange.max_vertices=3", "3", "4 or more"),
+    ] {
+        let key = set.split('=').next().unwrap();
+        let message = set_mistake(&[set]);
+        let value_at = " ".repeat(key.len() + 1);
+        let carets = "^".repeat(set.len() - key.len() - 1);
+        assert_eq!(
+            message,
+            format!(
+                "error: `{key}` cannot be {got}\n --> --set\n |\n | {set}\n | {value_at}{carets}\n \
+                 = expected {expected}\n"
+            )
+        );
+    }
+}
+
+#[test]
+fn links_are_judged_by_netem() {
+    let message = set_mistake(&["netem.radio.loss.p=1.5"]);
+    assert!(message.contains("netem.radio.loss"), "{message}");
+    assert!(message.contains("a probability p between 0 and 1, got 1.5"), "{message}");
+    assert!(message.contains(" | netem.radio.loss.p=1.5\n"), "{message}");
+}
+
+#[test]
+fn later_values_win_and_are_blamed() {
+    let loaded = load_with("city", &["agents.count=2", "agents.count=3"]).unwrap();
+    assert_eq!(loaded.scenario.agents.count, 3);
+    assert!(load_with("city", &["agents.count=0", "agents.count=3"]).is_ok());
+    let message = set_mistake(&["agents.count=3", "agents.count=0"]);
+    assert!(message.contains("--> --set\n |\n | agents.count=0\n"), "{message}");
+    let whole = load_with("city", &["netem.radio.loss={model='iid',p=0.25}"]).unwrap();
+    let part = load_with("city", &["netem.radio.loss.p=0.25"]).unwrap();
+    assert_eq!(whole.scenario, part.scenario);
+}
+
+#[test]
+fn what_cannot_be_found_is_named() {
+    let message = load_with("hellsinki-05", &[]).unwrap_err().0[0].to_string();
+    assert_eq!(
+        message,
+        "error: there is no scenario `hellsinki-05`\n  = expected a TOML file or one of `city`, \
+         `helsinki-05`, `helsinki-17`\n  = did you mean `helsinki-05`?\n"
+    );
+    let folder = scratch("folder");
+    let message = load_with(&folder.to_string_lossy(), &[]).unwrap_err().0[0].to_string();
+    assert!(message.starts_with("error: cannot read the scenario `"), "{message}");
+    let message = set_mistake(&["map.kind=geojson", "map.file=no.geojson"]);
+    assert!(
+        message.starts_with("error: there is no map `./no.geojson`\n --> --set\n"),
+        "{message}"
+    );
+    assert!(message.contains("`helsinki-05.geojson`"), "{message}");
+    assert!(set_mistake(&["map.kind=geojson"]).contains("`map.file` cannot be"));
+    assert!(set_mistake(&["map.file=helsinki-05.geojson"]).contains("kind = \"geojson\""));
+}
+
+#[test]
+fn a_broken_map_is_the_mistake_of_whoever_named_it() {
+    let folder = scratch("broken");
+    std::fs::write(folder.join("broken.geojson"), "{ \"type\": ").unwrap();
+    let path = folder.join("my.toml");
+    std::fs::write(&path, "[map]\nkind = 'geojson'\nfile = 'broken.geojson'\n").unwrap();
+    let mistakes = load_with(&path.to_string_lossy(), &["agents.count=0"]).unwrap_err().0;
+    let text: Vec<String> = mistakes.iter().map(ToString::to_string).collect();
+    assert_eq!(text.len(), 2, "{text:?}");
+    assert!(text[1].starts_with("error: broken.geojson: not JSON: "), "{}", text[1]);
+    assert!(text[1].contains("my.toml:3:8"), "{}", text[1]);
+}
+
+#[test]
+fn a_map_without_room_for_the_cars_is_a_mistake() {
+    let message = set_mistake(&["map.size_m=[120, 120]", "targets.count=900"]);
+    assert!(message.starts_with("error: targets.count: "), "{message}");
+    assert!(message.contains("of 900 cars found room"), "{message}");
+    assert!(message.contains(" | targets.count=900\n"), "{message}");
+}
+
+#[test]
+fn a_coarse_camera_is_a_warning_and_a_useless_one_a_mistake() {
+    let loaded = load_with("city", &["camera.columns=240", "camera.rows=180"]).unwrap();
+    let warning = loaded.warnings[0].render("warning");
+    assert!(
+        warning.starts_with(
+            "warning: 240 x 180 pixels are coarse for Assumptions 4 and 7: at 61 m altitude a car "
+        ),
+        "{warning}"
+    );
+    assert!(
+        warning.contains("expected camera.min_pixels = 10 in the whole footprint"),
+        "{warning}"
+    );
+    let message = set_mistake(&["camera.columns=48", "camera.rows=36"]);
+    assert!(
+        message.starts_with(
+            "error: 48 x 36 pixels are too coarse: at 61 m altitude a car never has more than "
+        ),
+        "{message}"
+    );
+}

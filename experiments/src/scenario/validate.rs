@@ -1,0 +1,314 @@
+//! Values that have the right type and still make no mission.
+//!
+//! The town's own values (`map.*`) are judged by `csat-world` when it makes the town.
+
+use csat_agent::config::{EstimatorConfig, ExchangeConfig, GuidanceConfig};
+use csat_proto::camera::CameraModel;
+use csat_proto::model::{FleetModel, TargetsModel};
+use csat_world::map::MapKind;
+
+use super::camera_check::car_coverage;
+use super::mistake::Mistake;
+use super::{RunConfig, Scenario};
+
+/// A value that cannot be.
+#[derive(Debug, Clone)]
+pub struct Issue {
+    /// The keys that it depends on; the place is that of the first one that somebody wrote.
+    pub keys: Vec<String>,
+    /// What to say.
+    pub mistake: Mistake,
+    /// Whether the mission may fly all the same.
+    pub is_warning: bool,
+}
+
+/// The largest fleet and the most targets.
+const MAX_COUNT: u16 = 1024;
+/// The largest side of a region, metres: sets live on a grid of ±4095 m.
+const MAX_SIZE_M: f64 = 4000.0;
+/// The most cells of a raster.
+const MAX_CELLS: f64 = 16_777_216.0;
+/// The most pixels of an image.
+const MAX_PIXELS: usize = 16_777_216;
+
+/// All issues of a scenario.
+pub fn validate(scenario: &Scenario) -> Vec<Issue> {
+    let mut check = Check(Vec::new());
+    let period_s = run(&mut check, &scenario.run);
+    let [east, north] = scenario.map.size_m;
+    let size_ok = [east, north].iter().all(|&s| s > 0.0 && s <= MAX_SIZE_M);
+    check.that(
+        size_ok,
+        &["map.size_m"],
+        &format!("[{east}, {north}]"),
+        "two lengths above 0 and up to 4000 m",
+    );
+    targets(&mut check, &scenario.targets);
+    fleet(&mut check, scenario);
+    camera(&mut check, scenario);
+    estimator(&mut check, &scenario.estimator, scenario.map.size_m);
+    guidance(&mut check, &scenario.guidance, period_s);
+    exchange(&mut check, &scenario.exchange, period_s);
+    for (key, what) in scenario.netem.mistakes() {
+        let key = format!("netem.{key}");
+        let mistake = Mistake::new(format!("`{key}`: {what}"));
+        check.0.push(Issue { keys: vec![key], mistake, is_warning: false });
+    }
+    check.0
+}
+
+fn owned(keys: &[&str]) -> Vec<String> {
+    keys.iter().map(|key| (*key).to_owned()).collect()
+}
+
+struct Check(Vec<Issue>);
+
+impl Check {
+    /// Demands that `holds`; `keys` begins with the value's own key.
+    fn that(&mut self, holds: bool, keys: &[&'static str], got: &str, expected: &str) {
+        if !holds {
+            let mistake = Mistake::new(format!("`{}` cannot be {got}", keys[0])).expected(expected);
+            self.0.push(Issue { keys: owned(keys), mistake, is_warning: false });
+        }
+    }
+
+    fn positive(&mut self, key: &'static str, value: f64) {
+        let holds = value > 0.0 && value.is_finite();
+        self.that(holds, &[key], &value.to_string(), "a number above 0");
+    }
+
+    fn not_negative(&mut self, key: &'static str, value: f64) {
+        let holds = value >= 0.0 && value.is_finite();
+        self.that(holds, &[key], &value.to_string(), "0 or a number above it");
+    }
+
+    fn count(&mut self, key: &'static str, value: u16) {
+        let holds = (1..=MAX_COUNT).contains(&value);
+        self.that(holds, &[key], &value.to_string(), "a whole number from 1 to 1024");
+    }
+
+    fn warn(&mut self, keys: &[&'static str], mistake: Mistake) {
+        self.0.push(Issue { keys: owned(keys), mistake, is_warning: true });
+    }
+}
+
+/// Judges `[run]`; gives the period that others are measured by, unless it is wrong itself: one
+/// mistake is not to be reported thrice.
+fn run(check: &mut Check, run: &RunConfig) -> Option<f64> {
+    check.positive("run.period_s", run.period_s);
+    let holds = run.duration_s >= run.period_s && run.duration_s <= 1e6;
+    let expected = format!("at least one period, {} s, and at most 1000000 s", run.period_s);
+    check.that(holds, &["run.duration_s"], &run.duration_s.to_string(), &expected);
+    (run.period_s > 0.0).then_some(run.period_s)
+}
+
+fn targets(check: &mut Check, targets: &TargetsModel) {
+    check.count("targets.count", targets.count);
+    check.not_negative("targets.v_max_m_s", targets.v_max_m_s);
+    check.not_negative("targets.obstacle_distance_m", targets.obstacle_distance_m);
+    check.positive("targets.radius_m", targets.radius_m);
+    check.positive("targets.cylinder_height_m", targets.cylinder_height_m);
+    let distance = targets.target_distance_m;
+    check.that(
+        distance > 2.0 * targets.radius_m && distance.is_finite(),
+        &["targets.target_distance_m", "targets.radius_m"],
+        &distance.to_string(),
+        &format!("more than two radii, {} m, so that cars never touch", 2.0 * targets.radius_m),
+    );
+    let [length, width, height] = targets.body_m;
+    let body_ok = targets.body_m.iter().all(|s| *s > 0.0 && s.is_finite());
+    let got = format!("[{length}, {width}, {height}]");
+    check.that(body_ok, &["targets.body_m"], &got, "length, width and height above 0");
+    let half_diagonal = length.hypot(width) / 2.0;
+    check.that(
+        !body_ok || half_diagonal <= targets.radius_m,
+        &["targets.radius_m", "targets.body_m"],
+        &targets.radius_m.to_string(),
+        &format!("at least half the diagonal of targets.body_m, {half_diagonal:.3} m"),
+    );
+    check.that(
+        !body_ok || height <= targets.cylinder_height_m,
+        &["targets.cylinder_height_m", "targets.body_m"],
+        &targets.cylinder_height_m.to_string(),
+        &format!("at least the height of targets.body_m, {height} m"),
+    );
+}
+
+fn fleet(check: &mut Check, scenario: &Scenario) {
+    let fleet = &scenario.agents;
+    check.count("agents.count", fleet.count);
+    check.positive("agents.speed_m_s", fleet.speed_m_s);
+    check.not_negative("agents.start_offset_m", fleet.start_offset_m);
+    check.positive("agents.yaw_settling_s", fleet.yaw_settling_s);
+    let step = fleet.altitude_step_m;
+    check.that(
+        step.is_finite() && (step != 0.0 || fleet.count < 2),
+        &["agents.altitude_step_m"],
+        &step.to_string(),
+        "a number other than 0: each UAV has an altitude of its own",
+    );
+    let (key, floor, what) = match scenario.map.kind {
+        MapKind::Generated => {
+            ("map.max_height_m", scenario.map.max_height_m, "the highest building")
+        }
+        _ => ("targets.cylinder_height_m", scenario.targets.cylinder_height_m, "a car"),
+    };
+    let lowest = altitudes(fleet)[0];
+    check.that(
+        lowest > floor && lowest.is_finite(),
+        &["agents.altitude_m", "agents.altitude_step_m", key],
+        &format!("{} (the lowest UAV at {lowest} m)", fleet.altitude_m),
+        &format!("all UAVs above {what}, {key} = {floor} m"),
+    );
+}
+
+/// The lowest and the highest altitude.
+fn altitudes(fleet: &FleetModel) -> [f64; 2] {
+    let (first, last) = (fleet.altitude_m, fleet.altitude_of(fleet.count.max(1) - 1));
+    [first.min(last), first.max(last)]
+}
+
+fn camera(check: &mut Check, scenario: &Scenario) {
+    let camera = &scenario.camera;
+    let before = check.0.len();
+    let image = format!("{} x {}", camera.columns, camera.rows);
+    check.that(camera.columns > 0, &["camera.columns"], "0", "a whole number from 1 to 65535");
+    check.that(camera.rows > 0, &["camera.rows"], "0", "a whole number from 1 to 65535");
+    let keys = ["camera.columns", "camera.rows"];
+    let expected = format!("an image of at most {MAX_PIXELS} pixels");
+    check.that(camera.pixels() <= MAX_PIXELS, &keys, &image, &expected);
+    let aperture = camera.aperture_deg;
+    let expected = "an angle between 0 and 180 degrees, both excluded";
+    let holds = aperture > 0.0 && aperture < 180.0;
+    check.that(holds, &["camera.aperture_deg"], &aperture.to_string(), expected);
+    let tilt_ok = (-90.0..=90.0).contains(&camera.tilt_deg);
+    let expected = "an angle below the horizon, up to 90 degrees";
+    check.that(tilt_ok, &["camera.tilt_deg"], &camera.tilt_deg.to_string(), expected);
+    check.positive("camera.d_max_m", camera.d_max_m);
+    check.that(camera.min_pixels > 0, &["camera.min_pixels"], "0", "a whole number above 0");
+    let [lo, hi] = camera.depth_noise;
+    check.that(
+        lo > -1.0 && lo <= 0.0 && hi >= 0.0 && hi.is_finite(),
+        &["camera.depth_noise"],
+        &format!("[{lo}, {hi}]"),
+        "an interval around 0 that begins above -1",
+    );
+    let fleet_ok = altitudes(&scenario.agents).iter().all(|a| *a > 0.0 && a.is_finite());
+    if check.0.len() == before && fleet_ok && (1..=MAX_COUNT).contains(&scenario.agents.count) {
+        pixels_on_a_car(check, camera, &scenario.agents, scenario.targets.body_m);
+    }
+}
+
+fn pixels_on_a_car(check: &mut Check, camera: &CameraModel, fleet: &FleetModel, body_m: [f64; 3]) {
+    const KEYS: [&str; 6] = [
+        "camera.tilt_deg",
+        "camera.d_max_m",
+        "camera.aperture_deg",
+        "agents.altitude_m",
+        "camera.rows",
+        "camera.columns",
+    ];
+    let [_, highest] = altitudes(fleet);
+    let Some(coverage) = car_coverage(camera, highest, body_m) else {
+        let got =
+            format!("{} (at {highest} m altitude no ground within d_max is seen)", camera.tilt_deg);
+        check.that(false, &KEYS, &got, "a camera that sees ground nearer than camera.d_max_m");
+        return;
+    };
+    let (Some(worst), Some(best)) = (coverage.worst(), coverage.best()) else { return };
+    let image = format!("{} x {} pixels", camera.columns, camera.rows);
+    let keys = ["camera.columns", "camera.rows", "camera.min_pixels", "agents.altitude_m"];
+    if best.best < camera.min_pixels {
+        let text = format!(
+            "{image} are too coarse: at {highest} m altitude a car never has more than {} pixels",
+            best.best
+        );
+        let expected = format!("camera.min_pixels = {} somewhere in view", camera.min_pixels);
+        let mistake = Mistake::new(text).expected(expected);
+        check.0.push(Issue { keys: owned(&keys), mistake, is_warning: false });
+    } else if worst.worst < camera.min_pixels {
+        let sure = coverage.sure_up_to_m(camera.min_pixels);
+        let sure = sure.map_or("nowhere".into(), |m| format!("up to {m:.0} m ahead"));
+        let text = format!(
+            "{image} are coarse for Assumptions 4 and 7: at {highest} m altitude a car {:.0} m \
+             ahead ({:.0} m from the camera) may have only {} pixels",
+            worst.ground_m, worst.slant_m, worst.worst
+        );
+        let expected = format!(
+            "camera.min_pixels = {} in the whole footprint; cars are surely identified {sure}",
+            camera.min_pixels
+        );
+        check.warn(&keys, Mistake::new(text).expected(expected));
+    }
+}
+
+fn estimator(check: &mut Check, estimator: &EstimatorConfig, size_m: [f64; 2]) {
+    let vertices = estimator.disc_vertices;
+    check.that(
+        (4..=256).contains(&vertices) && vertices.is_multiple_of(2),
+        &["estimator.disc_vertices"],
+        &vertices.to_string(),
+        "an even number from 4 to 256",
+    );
+    check.not_negative("estimator.simplify_m", estimator.simplify_m);
+    check.not_negative("estimator.outline_tolerance_px", estimator.outline_tolerance_px);
+    let cells = [
+        ("estimator.raster_cell_m", estimator.raster_cell_m),
+        ("estimator.oem_cell_m", estimator.oem_cell_m),
+    ];
+    for (key, cell) in cells {
+        let count = (size_m[0] / cell) * (size_m[1] / cell);
+        let holds = cell > 0.0 && cell.is_finite() && count <= MAX_CELLS;
+        let expected = format!("a length above 0 that makes at most {MAX_CELLS} cells");
+        check.that(holds, &[key], &cell.to_string(), &expected);
+    }
+}
+
+fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>) {
+    check.not_negative("guidance.kappa", guidance.kappa);
+    check.not_negative("guidance.lambda", guidance.lambda);
+    let n_mpc = guidance.n_mpc;
+    let holds = (1..=6).contains(&n_mpc);
+    check.that(holds, &["guidance.n_mpc"], &n_mpc.to_string(), "a whole number from 1 to 6");
+    if let Some(period_s) = period_s {
+        let periods = guidance.period_s / period_s;
+        check.that(
+            periods.round() >= 1.0 && (periods - periods.round()).abs() < 1e-9,
+            &["guidance.period_s", "run.period_s"],
+            &guidance.period_s.to_string(),
+            &format!("a multiple of run.period_s = {period_s} s"),
+        );
+        let timeout = guidance.plan_timeout_s;
+        check.that(
+            timeout >= 0.0 && timeout < period_s,
+            &["guidance.plan_timeout_s", "run.period_s"],
+            &timeout.to_string(),
+            &format!("0 or more and below run.period_s = {period_s} s"),
+        );
+    }
+    let increments = &guidance.increments_deg;
+    let valid = increments.iter().all(|u| u.abs() <= 180.0);
+    let got = if increments.is_empty() { "empty".to_owned() } else { format!("{increments:?}") };
+    check.that(
+        valid && (1..=32).contains(&increments.len()),
+        &["guidance.increments_deg"],
+        &got,
+        "1 to 32 angles from -180 to 180 degrees",
+    );
+}
+
+fn exchange(check: &mut Check, exchange: &ExchangeConfig, period_s: Option<f64>) {
+    let between = exchange.snapshot_period_s;
+    let shortest = period_s.unwrap_or(f64::MIN_POSITIVE);
+    check.that(
+        between >= shortest && between.is_finite(),
+        &["exchange.snapshot_period_s", "run.period_s"],
+        &between.to_string(),
+        &format!("at least run.period_s = {shortest} s"),
+    );
+    check.positive("exchange.max_age_s", exchange.max_age_s);
+    check.not_negative("exchange.clock_skew_s", exchange.clock_skew_s);
+    let vertices = exchange.max_vertices;
+    let holds = vertices >= 4;
+    check.that(holds, &["exchange.max_vertices"], &vertices.to_string(), "4 or more");
+}

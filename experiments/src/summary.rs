@@ -1,0 +1,202 @@
+//! `summary.json`: a mission in numbers.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::series::Means;
+use crate::timing::TimingSummary;
+
+/// A mission in numbers. Outside checks rely on these keys.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Its seed.
+    pub seed: u64,
+    /// N^u.
+    pub agents: u16,
+    /// N^t.
+    pub targets: u16,
+    /// Steps flown.
+    pub steps: u32,
+    /// Whether the user ended the run early.
+    pub interrupted: bool,
+    /// Failures of the guarantee (`spec/sets.md`), found from outside.
+    pub violations: u64,
+    /// Sets that turned out empty: an assumption failed or somebody lied.
+    pub inconsistencies: u64,
+    /// card(∪ L_i) at the end.
+    pub identified: u16,
+    /// When all targets were identified, seconds; null if never.
+    pub all_identified_s: Option<f64>,
+    /// Means over the second half of the mission and over the agents.
+    #[serde(flatten)]
+    pub means: Means,
+    /// The same at the last step.
+    #[serde(rename = "final")]
+    pub last: Means,
+    /// What became of the messages.
+    pub messages: Messages,
+    /// Bytes that agents sent, each message once however many hear it.
+    pub bytes_sent: u64,
+    /// What an agent-step takes.
+    pub timing_ms: TimingSummary,
+    /// What the run took, seconds.
+    pub wall_s: f64,
+    /// What it simulated, seconds.
+    pub sim_s: f64,
+    /// sim_s / wall_s.
+    pub realtime_factor: f64,
+    /// Hash of every agent's state at every step, hexadecimal: equal digests mean equal runs.
+    pub digest: String,
+}
+
+/// What became of the messages, per receiver.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Messages {
+    /// Messages on their way to a receiver: one to three others counts three.
+    pub sent: u64,
+    /// Of those, how many arrived.
+    pub delivered: u64,
+    /// Of those, how many were lost, by reason.
+    pub dropped: BTreeMap<String, u64>,
+    /// Extra copies that arrived.
+    pub duplicated: u64,
+}
+
+impl Summary {
+    /// As JSON.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("a summary is JSON") + "\n"
+    }
+
+    /// In a few lines for a person.
+    pub fn describe(&self) -> String {
+        let metres = |value: Option<f64>| value.map_or("-".to_owned(), |m| format!("{m:.2} m"));
+        let all = match self.all_identified_s {
+            Some(time_s) => format!("all after {time_s} s"),
+            None => "not all".to_owned(),
+        };
+        let ended = if self.interrupted { ", ended early by the user" } else { "" };
+        format!(
+            "{} seed {}: {} s flown in {:.1} s ({:.1}x real time){ended}\n\
+             identified {}/{} ({all}), violations {}, inconsistencies {}\n\
+             second half: unexplored {:.2} % (hidden {:.2} %), explored {:.2} %, localisation \
+             error {}, target radius {}\n\
+             messages: {} sent, {} delivered, {:.2} MB; digest {}",
+            self.scenario,
+            self.seed,
+            self.sim_s,
+            self.wall_s,
+            self.realtime_factor,
+            self.identified,
+            self.targets,
+            self.violations,
+            self.inconsistencies,
+            self.means.unexplored_pct,
+            self.means.hidden_pct,
+            self.means.explored_pct,
+            metres(self.means.localization_error_m),
+            metres(self.means.target_radius_m),
+            self.messages.sent,
+            self.messages.delivered,
+            self.bytes_sent as f64 / 1e6,
+            self.digest,
+        )
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A summary with something in every field.
+    pub(crate) fn sample() -> Summary {
+        Summary {
+            scenario: "city".into(),
+            seed: 7,
+            agents: 4,
+            targets: 8,
+            steps: 600,
+            interrupted: false,
+            violations: 0,
+            inconsistencies: 0,
+            identified: 8,
+            all_identified_s: Some(93.5),
+            means: Means { unexplored_pct: 21.5, oem_iou_pct: Some(74.0), ..Means::default() },
+            last: Means { unexplored_pct: 20.0, ..Means::default() },
+            messages: Messages {
+                sent: 12,
+                delivered: 9,
+                dropped: BTreeMap::from([("range".to_owned(), 3)]),
+                duplicated: 0,
+            },
+            bytes_sent: 1_234_567,
+            timing_ms: TimingSummary::default(),
+            wall_s: 12.5,
+            sim_s: 300.0,
+            realtime_factor: 24.0,
+            digest: "00000000deadbeef".into(),
+        }
+    }
+
+    /// `spec/experiments.md`, "A run folder".
+    #[test]
+    fn every_promised_key_is_there() {
+        let json: serde_json::Value = serde_json::from_str(&sample().to_json()).unwrap();
+        for key in [
+            "scenario",
+            "seed",
+            "agents",
+            "targets",
+            "steps",
+            "violations",
+            "inconsistencies",
+            "identified",
+            "all_identified_s",
+            "unexplored_pct",
+            "hidden_pct",
+            "explored_pct",
+            "footprint_pct",
+            "ground_seen_pct",
+            "localization_error_m",
+            "target_radius_m",
+            "oem_iou_pct",
+            "final",
+            "messages",
+            "bytes_sent",
+            "timing_ms",
+            "wall_s",
+            "sim_s",
+            "realtime_factor",
+            "digest",
+            "interrupted",
+        ] {
+            assert!(json.get(key).is_some(), "{key}");
+        }
+        assert_eq!(json["unexplored_pct"], 21.5);
+        assert_eq!(json["final"]["unexplored_pct"], 20.0);
+        assert_eq!(json["localization_error_m"], serde_json::Value::Null);
+        assert_eq!(json["messages"]["dropped"]["range"], 3);
+        for stage in ["render", "sense", "estimate", "fuse", "guidance"] {
+            for key in ["median", "p95", "max"] {
+                assert!(json["timing_ms"][stage][key].is_number(), "{stage} {key}");
+            }
+        }
+        let back: Summary = serde_json::from_value(json).unwrap();
+        assert_eq!(back, sample());
+    }
+
+    #[test]
+    fn a_person_reads_the_same() {
+        let text = sample().describe();
+        assert!(text.contains("city seed 7: 300 s flown in 12.5 s (24.0x real time)\n"), "{text}");
+        assert!(text.contains("identified 8/8 (all after 93.5 s), violations 0"), "{text}");
+        let early = Summary { interrupted: true, all_identified_s: None, ..sample() }.describe();
+        assert!(
+            early.contains("ended early by the user") && early.contains("(not all)"),
+            "{early}"
+        );
+    }
+}

@@ -1,0 +1,193 @@
+//! `view.json`: all that `map.svg` is drawn from, in metres of `world`.
+
+use csat_proto::message::OemCell;
+use csat_proto::raster::{Grid, Raster};
+use csat_proto::region::{Region, metres};
+use csat_world::obstacle::Obstacle;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::Loaded;
+
+/// A closed ring; the last point is not repeated.
+pub type Ring = Vec<[f64; 2]>;
+/// Shapes, each an outer ring and its holes.
+pub type Shapes = Vec<Vec<Ring>>;
+
+/// The world and what the agents know of it at the end of a mission.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct View {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Its seed.
+    pub seed: u64,
+    /// Simulated time, seconds.
+    pub time_s: f64,
+    /// Width (east) and depth (north) of the region.
+    pub size_m: [f64; 2],
+    /// Buildings.
+    pub obstacles: Vec<Building>,
+    /// Centre lines of roads.
+    pub roads: Vec<Vec<[f64; 2]>>,
+    /// The fleet, by index.
+    pub uavs: Vec<UavTrack>,
+    /// The true locations of each target, by index and step.
+    pub targets: Vec<Vec<[f64; 2]>>,
+    /// What each agent knows, by index.
+    pub agents: Vec<Knowledge>,
+    /// The line that whoever shows the map has to show with it.
+    pub attribution: Option<String>,
+}
+
+/// A building.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Building {
+    /// Outer ring, then holes.
+    pub rings: Vec<Ring>,
+    /// Height.
+    pub height_m: f64,
+}
+
+/// How a UAV flew.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct UavTrack {
+    /// Position by step.
+    pub path: Vec<[f64; 2]>,
+    /// Last heading, radians counter-clockwise from east.
+    pub yaw_rad: f64,
+    /// Last footprint.
+    pub footprint: Ring,
+}
+
+/// What one agent knows.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Knowledge {
+    /// X̄.
+    pub unexplored: Shapes,
+    /// X_j with j.
+    pub targets: Vec<(u16, Shapes)>,
+    /// X°.
+    pub obstacle_margin: Shapes,
+    /// X^h.
+    pub hidden: Cells,
+    /// The OEM.
+    pub oem: Oem,
+}
+
+/// A raster.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Cells {
+    /// Side of a cell.
+    pub cell_m: f64,
+    /// South-west corner of cell (0, 0).
+    pub origin_m: [f64; 2],
+    /// Runs of cells: row, first column, column after the last.
+    pub runs: Vec<[u32; 3]>,
+}
+
+/// An occupancy-elevation map.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Oem {
+    /// Side of a cell.
+    pub cell_m: f64,
+    /// South-west corner of cell (0, 0).
+    pub origin_m: [f64; 2],
+    /// Occupied cells: column, row, height in decimetres.
+    pub occupied: Vec<(u32, u32, u16)>,
+    /// Empty cells.
+    pub empty: Cells,
+}
+
+impl View {
+    /// The scenario and its town, with nobody in it yet.
+    pub fn of_town(loaded: &Loaded) -> Self {
+        let map = loaded.world.map();
+        let rounded = |ring: &[[f64; 2]]| ring.iter().map(|p| p.map(to_millimetre)).collect();
+        let building = |obstacle: &Obstacle| Building {
+            rings: obstacle.rings().map(|ring| rounded(&ring)).collect(),
+            height_m: to_millimetre(obstacle.height_m),
+        };
+        Self {
+            scenario: loaded.name.clone(),
+            seed: loaded.scenario.seed,
+            size_m: loaded.scenario.map.size_m,
+            obstacles: map.obstacles.iter().map(building).collect(),
+            roads: map.roads.iter().map(|road| rounded(road)).collect(),
+            attribution: map.attribution.clone(),
+            ..Self::default()
+        }
+    }
+}
+
+fn to_millimetre(metres: f64) -> f64 {
+    (metres * 1e3).round() / 1e3
+}
+
+/// A region in metres, to the nearest millimetre: the file is for people.
+pub fn shapes(region: &Region) -> Shapes {
+    let point = |p: &_| metres(*p).map(to_millimetre);
+    let ring = |ring: &Vec<_>| ring.iter().map(point).collect();
+    region.shapes().iter().map(|shape| shape.iter().map(ring).collect()).collect()
+}
+
+/// A raster as runs.
+pub fn cells(raster: &Raster) -> Cells {
+    runs(raster.grid(), raster.iter())
+}
+
+/// An OEM from the states of its cells in row-major order.
+pub fn oem(grid: &Grid, states: &[OemCell]) -> Oem {
+    let place = |index: usize| (index as u32 % grid.columns, index as u32 / grid.columns);
+    let of = |wanted: fn(&OemCell) -> bool| {
+        states.iter().enumerate().filter(move |(_, s)| wanted(s)).map(move |(i, _)| place(i))
+    };
+    let occupied = states.iter().enumerate().filter_map(|(i, state)| match state {
+        OemCell::Occupied { height_dm } => Some((place(i).0, place(i).1, *height_dm)),
+        _ => None,
+    });
+    Oem {
+        cell_m: grid.cell_m,
+        origin_m: grid.origin(),
+        occupied: occupied.collect(),
+        empty: runs(grid, of(|s| *s == OemCell::Empty)),
+    }
+}
+
+fn runs(grid: &Grid, cells: impl Iterator<Item = (u32, u32)>) -> Cells {
+    let mut runs: Vec<[u32; 3]> = Vec::new();
+    for (column, row) in cells {
+        match runs.last_mut() {
+            Some([last_row, _, end]) if *last_row == row && *end == column => *end += 1,
+            _ => runs.push([row, column, column + 1]),
+        }
+    }
+    Cells { cell_m: grid.cell_m, origin_m: grid.origin(), runs }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use csat_proto::model::Ground;
+
+    #[test]
+    fn rasters_and_oems_become_runs() {
+        let grid = Grid::covering(&Ground { size_m: [20.0, 10.0] }, 5.0);
+        let mut raster = Raster::empty(grid);
+        raster.set_run(0, 1..4);
+        raster.set(0, 1);
+        assert_eq!(cells(&raster).runs, [[0, 1, 4], [1, 0, 1]]);
+        let mut states = vec![OemCell::Unexplored; 8];
+        states[2] = OemCell::Empty;
+        states[3] = OemCell::Empty;
+        states[4] = OemCell::Occupied { height_dm: 123 };
+        let oem = oem(&grid, &states);
+        assert_eq!(oem.occupied, [(0, 1, 123)]);
+        assert_eq!(oem.empty.runs, [[0, 2, 4]]);
+        assert_eq!(oem.origin_m, [-10.0, -5.0]);
+    }
+
+    #[test]
+    fn regions_are_in_metres() {
+        let shapes = shapes(&Region::rectangle([4.0, 2.0]));
+        assert_eq!(shapes, [[[[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0]]]]);
+    }
+}
