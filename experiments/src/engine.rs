@@ -154,8 +154,8 @@ impl<M: Mission> Engine<M> {
             let id = AgentId(index as u16);
             let Seat { renderer, agent, .. } = seat;
             let ((), times) = stages::collect(|| {
-                let frame = info_span!("render")
-                    .in_scope(|| renderer.frame(&scene, pose, step, seed, id));
+                let frame =
+                    info_span!("render").in_scope(|| renderer.frame(&scene, pose, step, seed, id));
                 agent.handle_frame(now, &frame);
             });
             seat.times = times;
@@ -185,8 +185,7 @@ impl<M: Mission> Engine<M> {
 
     /// Hands everything the agents want to say to the links.
     fn send_all(&mut self, now: SimTime, drops: &mut Vec<Drop>) {
-        let positions: Vec<[f64; 3]> =
-            self.world.poses().iter().map(|pose| pose.p_world).collect();
+        let positions: Vec<[f64; 3]> = self.world.poses().iter().map(|pose| pose.p_world).collect();
         for src in 0..self.seats.len() {
             self.seats[src].poll();
             for transmit in std::mem::take(&mut self.seats[src].outbox) {

@@ -4,7 +4,10 @@
 //! |---|---|
 //! | [`scenario`] | reads scenarios and reports every mistake at once |
 //! | [`cli`] | the command line |
-//! | [`mission`] | flies a mission in one process |
+//! | [`plug`] | what a mission is |
+//! | [`set_membership`] | the set-membership mission |
+//! | [`engine`] | one process, virtual time: world, agents and links, step by step |
+//! | [`mission`] | flies, measures and records a mission |
 //! | [`metrics`] | one agent at one step: thesis (5.36)-(5.45) |
 //! | [`series`] | those over time, averaged over agents and over the second half |
 //! | [`summary`] | a mission in numbers |
@@ -14,19 +17,23 @@
 //! | [`view`] | the end of a mission, to be drawn |
 //! | [`plot`] | `map.svg` and `metrics.svg` |
 //! | [`progress`], [`logs`] | what shows while it flies |
-//! | [`timing`] | the only clock |
+//! | [`timing`], [`stages`] | the only clock |
 
 pub mod cli;
+pub mod engine;
 pub mod logs;
 pub mod metrics;
 pub mod mission;
 pub mod plot;
+pub mod plug;
 pub mod progress;
 pub mod provenance;
 pub mod record;
 pub mod run_folder;
 pub mod scenario;
 pub mod series;
+pub mod set_membership;
+pub mod stages;
 pub mod summary;
 #[cfg(test)]
 mod testing;

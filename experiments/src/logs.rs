@@ -11,6 +11,7 @@ use tracing_subscriber::layer::{Layer, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
 
 use crate::progress::Progress;
+use crate::stages::StageLayer;
 
 /// Where logs go. Clones share their targets.
 #[derive(Debug, Clone, Default)]
@@ -36,7 +37,8 @@ impl Logs {
             .with_writer(InFile(logs.file.clone()))
             .with_filter(LevelFilter::INFO);
         // A second subscriber in one process (tests) is refused; then the first one stays.
-        let _ = tracing_subscriber::registry().with(terminal).with(file).try_init();
+        let _ =
+            tracing_subscriber::registry().with(terminal).with(file).with(StageLayer).try_init();
         logs
     }
 

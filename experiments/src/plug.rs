@@ -1,13 +1,18 @@
-//! A mission is a plug: the engine, the links and the monitor know it by this trait, not by name.
+//! A mission is a plug: the engine, the monitor, the metrics and the pictures know it by this trait,
+//! not by name.
 
 use csat_proto::agent::Agent;
 use csat_proto::camera::CameraModel;
 use csat_proto::command::YawCommand;
 use csat_proto::ids::{AgentId, TargetId};
+use csat_proto::region::Region;
 use serde::Serialize;
 
-/// What distinguishes one kind of mission from another: the agent's mind, what it reports, and what
-/// the monitor holds against the truth.
+use crate::metrics::StepRecord;
+use crate::view;
+
+/// What distinguishes one kind of mission from another: the agent's mind, what it reports, what the
+/// monitor holds against the truth, and what is measured and drawn.
 pub trait Mission: Sync {
     /// The agent.
     type Agent: Agent<Command = YawCommand, Event: Serialize> + Sync;
@@ -27,4 +32,29 @@ pub trait Mission: Sync {
         location: [f64; 2],
         tolerance_m: f64,
     ) -> bool;
+
+    /// Fills in an agent's own part of a row of metrics; `truth` holds the targets' locations.
+    fn measure(&self, agent: &mut Self::Agent, truth: &[[f64; 2]], row: &mut StepRecord);
+
+    /// What the agent watches at this step, for (5.40)-(5.42) and figure 5.9.
+    fn watched<'a>(&self, agent: &'a Self::Agent) -> Watched<'a>;
+
+    /// What the agent knows, to be drawn.
+    fn view(&self, agent: &Self::Agent) -> view::Knowledge;
+
+    /// Whether an event says that an assumption failed.
+    fn is_inconsistency(&self, event: &<Self::Agent as Agent>::Event) -> bool;
+}
+
+/// What an agent watches at one step.
+#[derive(Debug, Clone, Default)]
+pub struct Watched<'a> {
+    /// F ∩ {z = 0}, `world`, metres.
+    pub footprint: Vec<[f64; 2]>,
+    /// C, the ground it sees.
+    pub clear_ground: Option<&'a Region>,
+    /// L_i.
+    pub identified: Vec<TargetId>,
+    /// D_i.
+    pub detected: Vec<TargetId>,
 }

@@ -14,21 +14,18 @@ pub const TARGET_SET: &str = "#009E73";
 pub const OEM: &str = "#B2182B";
 /// X^h.
 pub const HIDDEN: &str = "#1F5FBF";
-/// Buildings.
+/// Buildings, in the legend.
 pub const BUILDING: &str = "#8E8E8E";
 /// Roads.
 pub const ROAD: &str = "#E3E3E0";
 
-/// Ground and roads.
+/// Ground and roads, cut at the border of the region.
 pub fn ground(panel: &Panel, view: &View) -> Group {
-    let [x, y] = panel.pixel([-view.size_m[0] / 2.0, view.size_m[1] / 2.0]);
-    let region = Rectangle::new()
-        .set("x", round(x))
-        .set("y", round(y))
-        .set("width", round(view.size_m[0] * panel.scale))
-        .set("height", round(view.size_m[1] * panel.scale))
-        .set("fill", "#ffffff")
-        .set("stroke", "#333333");
+    let [x, y] = view.size_m.map(|s| s / 2.0);
+    let region = vec![[-x, -y], [x, -y], [x, y], [-x, y]];
+    let [west, north] = panel.north_west_m;
+    let [east, south] = [west + panel.width / panel.scale, north - panel.height / panel.scale];
+    let everything = vec![[west, south], [east, south], [east, north], [west, north]];
     let mut data = String::new();
     for road in &view.roads {
         data += &panel.line(road);
@@ -40,17 +37,19 @@ pub fn ground(panel: &Panel, view: &View) -> Group {
         .set("stroke", ROAD)
         .set("stroke-width", round((6.0 * panel.scale).max(1.0)))
         .set("stroke-linejoin", "round");
-    group("ground").add(region).add(roads)
+    let outside = panel.area_of([&everything, &region]).set("fill", "#ffffff");
+    let border = panel.area_of([&region]).set("fill", "none").set("stroke", "#333333");
+    group("ground").add(roads).add(outside).add(border)
 }
 
 /// Buildings, darker when higher.
 pub fn buildings(panel: &Panel, view: &View) -> Group {
     let highest = view.obstacles.iter().map(|b| b.height_m).fold(1.0, f64::max);
     view.obstacles.iter().fold(group("buildings"), |group, building| {
+        let grey = 205.0 - 85.0 * (building.height_m / highest).clamp(0.0, 1.0);
         let area = panel
             .area_of(&building.rings)
-            .set("fill", BUILDING)
-            .set("fill-opacity", round(0.45 + 0.55 * building.height_m / highest))
+            .set("fill", format!("#{0:02X}{0:02X}{0:02X}", grey as u8))
             .set("stroke", "#4A4A4A")
             .set("stroke-width", 0.6);
         group.add(area)

@@ -1,39 +1,17 @@
 //! `metrics.svg`: the curves of thesis figures 5.9-5.13.
 
 use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::PlotError;
-use super::reference::{self, Published, SPAN_S};
+use super::panels::{Curve, GREY, Panel, TEXT, panels};
+use super::reference::SPAN_S;
 use crate::series::{Point, Series};
 use crate::summary::Summary;
 
 const SIZE_PX: (u32, u32) = (1240, 1360);
 const HEADER_PX: i32 = 62;
-const BLUE: RGBColor = RGBColor(0, 114, 178);
-const ORANGE: RGBColor = RGBColor(213, 94, 0);
-const GREY: RGBColor = RGBColor(90, 90, 90);
-const TEXT: RGBColor = RGBColor(34, 34, 34);
-
-/// One curve of a panel.
-struct Curve {
-    name: &'static str,
-    colour: RGBColor,
-    value: fn(&Point) -> Option<f64>,
-    published: Option<Published>,
-}
-
-/// One panel.
-struct Panel {
-    title: &'static str,
-    unit: &'static str,
-    /// The axis reaches at least this far.
-    at_least: f64,
-    /// ... and no farther than this.
-    at_most: f64,
-    curves: Vec<Curve>,
-}
-
 /// Draws a mission's metrics over time, with the thesis's means for `str3`, κ = 1 dashed.
 ///
 /// # Errors
@@ -65,93 +43,6 @@ fn draw(summary: &Summary, series: &Series, svg: &mut String) -> Result<(), Erro
     Ok(())
 }
 
-fn panels() -> Vec<Panel> {
-    let thesis = reference::str3_kappa1();
-    let curve = |name, colour, value, published| Curve { name, colour, value, published };
-    let one = |title, unit, at_least, at_most, value: fn(&Point) -> Option<f64>, published| Panel {
-        title,
-        unit,
-        at_least,
-        at_most,
-        curves: vec![curve("", BLUE, value, Some(published))],
-    };
-    let two = |title, unit, a: Curve, b: Curve| Panel {
-        title,
-        unit,
-        at_least: if unit == "%" { 10.0 } else { 1.0 },
-        at_most: if unit == "%" { 100.0 } else { f64::INFINITY },
-        curves: vec![a, b],
-    };
-    vec![
-        two(
-            "Identified targets (fig. 5.9 left)",
-            "targets",
-            curve("by an agent, mean", BLUE, |p| Some(p.identified), None),
-            curve("by the fleet", ORANGE, |p| Some(f64::from(p.identified_union)), None),
-        ),
-        two(
-            "Targets in view (fig. 5.9 right)",
-            "targets",
-            curve("located in a footprint", GREY, |p| Some(f64::from(p.targets_in_fov)), None),
-            curve("identified in a frame", ORANGE, |p| Some(f64::from(p.targets_detected)), None),
-        ),
-        one(
-            "Localisation error (fig. 5.10)",
-            "m",
-            2.0,
-            15.0,
-            |p| p.means.localization_error_m,
-            thesis.localization_error_m,
-        ),
-        one(
-            "Target set, radius of equal area (fig. 5.10)",
-            "m",
-            20.0,
-            100.0,
-            |p| p.means.target_radius_m,
-            thesis.target_radius_m,
-        ),
-        two(
-            "Unexplored ground (fig. 5.11)",
-            "%",
-            curve(
-                "unexplored",
-                BLUE,
-                |p| Some(p.means.unexplored_pct),
-                Some(thesis.unexplored_pct),
-            ),
-            curve("its hidden part", ORANGE, |p| Some(p.means.hidden_pct), Some(thesis.hidden_pct)),
-        ),
-        two(
-            "Ground in view (fig. 5.12)",
-            "%",
-            curve("footprint", BLUE, |p| Some(p.means.footprint_pct), Some(thesis.footprint_pct)),
-            curve(
-                "seen as ground",
-                ORANGE,
-                |p| Some(p.means.ground_seen_pct),
-                Some(thesis.ground_seen_pct),
-            ),
-        ),
-        one(
-            "Explored ground (fig. 5.13)",
-            "%",
-            100.0,
-            100.0,
-            |p| Some(p.means.explored_pct),
-            thesis.explored_pct,
-        ),
-        one(
-            "OEM against hidden ground, intersection over union (fig. 5.14)",
-            "%",
-            100.0,
-            100.0,
-            |p| p.means.oem_iou_pct,
-            thesis.oem_iou_pct,
-        ),
-    ]
-}
-
 fn draw_panel(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     panel: &Panel,
@@ -180,6 +71,29 @@ fn draw_panel(
         .label_style(("sans-serif", 13).into_font().color(&TEXT))
         .axis_desc_style(("sans-serif", 14).into_font().color(&TEXT))
         .draw()?;
+    draw_thesis(&mut chart, panel, summary, end_s, top)?;
+    draw_curves(&mut chart, panel, series, top)?;
+    chart
+        .configure_series_labels()
+        .position(legend)
+        .margin(8)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.25))
+        .label_font(("sans-serif", 13).into_font().color(&TEXT))
+        .draw()?;
+    Ok(())
+}
+
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// The thesis's means with their deviations, and the number of targets there are.
+fn draw_thesis(
+    chart: &mut Chart<'_, '_>,
+    panel: &Panel,
+    summary: &Summary,
+    end_s: f64,
+    top: f64,
+) -> Result<(), Error> {
     let span = [SPAN_S[0].min(end_s), SPAN_S[1].min(end_s)];
     for curve in &panel.curves {
         if let Some([mean, deviation]) = curve.published {
@@ -195,6 +109,16 @@ fn draw_panel(
         let ends = [(0.0, all), (end_s, all)].into_iter();
         chart.draw_series(DashedLineSeries::new(ends, 2, 4, GREY.stroke_width(1)))?;
     }
+    Ok(())
+}
+
+/// The curves and their names.
+fn draw_curves(
+    chart: &mut Chart<'_, '_>,
+    panel: &Panel,
+    series: &Series,
+    top: f64,
+) -> Result<(), Error> {
     for curve in &panel.curves {
         let style = curve.colour.stroke_width(2);
         for run in unbroken(series, curve.value, top) {
@@ -208,14 +132,6 @@ fn draw_panel(
             .label(name)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(3)));
     }
-    chart
-        .configure_series_labels()
-        .position(legend)
-        .margin(8)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.25))
-        .label_font(("sans-serif", 13).into_font().color(&TEXT))
-        .draw()?;
     Ok(())
 }
 
@@ -239,7 +155,7 @@ fn legend_text(curve: &Curve, unit: &str, series: &Series) -> String {
 /// above it, on an axis made higher.
 fn axis(panel: &Panel, summary: &Summary, series: &Series) -> (f64, SeriesLabelPosition) {
     let half_s = series.0.last().map_or(0.0, |p| p.time_s / 2.0);
-    let (mut top, mut low, mut high) = (panel.at_least, f64::INFINITY, 0.0f64);
+    let (mut top, mut low, mut high) = (panel.axis[0], f64::INFINITY, 0.0f64);
     for curve in &panel.curves {
         for point in &series.0 {
             let Some(value) = (curve.value)(point).filter(|v| v.is_finite()) else { continue };
@@ -256,7 +172,7 @@ fn axis(panel: &Panel, summary: &Summary, series: &Series) -> (f64, SeriesLabelP
     if panel.unit == "targets" {
         top = top.max(f64::from(summary.targets));
     }
-    top = (top * 1.05).min(panel.at_most);
+    top = (top * 1.05).min(panel.axis[1]);
     if high < 0.72 * top {
         (top, SeriesLabelPosition::UpperRight)
     } else if low > 0.3 * top {

@@ -5,6 +5,7 @@ mod layers;
 mod legend;
 mod map;
 mod metrics;
+mod panels;
 mod reference;
 #[cfg(test)]
 mod tests;

@@ -126,13 +126,10 @@ file = @
     for part in ["error: not TOML: ", "my.toml:1:", "my.toml:4:"] {
         assert!(syntax.contains(part), "{part} in {syntax}");
     }
-    let model = mistakes_of("[netem.radio]\nloss = { model = 'idd', p = 0.1 }\n", &[]);
-    assert_eq!(
-        model,
-        ["error: `netem.radio.loss.model` cannot be `idd`\n  --> my.toml:2:18\n  |\n2 | loss = { \
-          model = 'idd', p = 0.1 }\n  |                  ^^^^^\n  = expected `iid`\n  = did you \
-          mean `iid`?\n"]
-    );
+    let model = mistakes_of("[netem.radio]\nloss = { model = 'idd', p = 0.1 }\n", &[]).concat();
+    let start = "error: `netem.radio.loss.model` cannot be `idd`\n  --> my.toml:2:18\n  |\n2 | loss = \
+                 { model = 'idd', p = 0.1 }\n  |                  ^^^^^\n  = expected ";
+    assert!(model.starts_with(start), "{model}");
 }
 
 #[test]
