@@ -223,8 +223,8 @@ impl Agent for SetMembershipAgent {
         self.pose = frame.pose;
         let measured = info_span!("sense").in_scope(|| self.sensor.measure(frame));
         let changes = info_span!("estimate").in_scope(|| {
-            self.predictor.advance(&mut self.knowledge, frame.step);
-            correct(&mut self.knowledge, &measured)
+            let predicted = self.predictor.predict(&mut self.knowledge, frame.step);
+            correct(&mut self.knowledge, &predicted, &measured)
         });
         self.report(&changes.identified, &changes.inconsistent, false);
         self.outbox.say_step(now, self.pose, &self.knowledge, &measured, &changes);

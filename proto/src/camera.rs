@@ -191,6 +191,11 @@ impl CameraView {
         &self.model
     }
 
+    /// f_c = f_r, in pixels.
+    pub fn focal_px(&self) -> f64 {
+        self.focal_px
+    }
+
     /// The optical centre in `world`, metres.
     pub fn centre_world(&self) -> Vector3<f64> {
         self.centre_world

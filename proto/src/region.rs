@@ -77,6 +77,14 @@ impl GridBox {
             && other.min.y <= self.max.y
     }
 
+    /// The smallest box around two boxes.
+    pub fn around_both(&self, other: &Self) -> Self {
+        Self {
+            min: GridPoint::new(self.min.x.min(other.min.x), self.min.y.min(other.min.y)),
+            max: GridPoint::new(self.max.x.max(other.max.x), self.max.y.max(other.max.y)),
+        }
+    }
+
     /// Whether the box contains a point.
     pub fn contains(&self, p: GridPoint) -> bool {
         (self.min.x..=self.max.x).contains(&p.x) && (self.min.y..=self.max.y).contains(&p.y)

@@ -1,1 +1,19 @@
-//! TBD
+//! What the tests share.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`replay`] | tests over many seeds, and how to fly a failing one again |
+//! | [`geometry`] | distances, samples and a second pinhole camera, sharing nothing with the agent |
+//! | [`scenes`] | random scenes, poses and cameras that keep every assumption |
+//! | [`truth`] | what a frame's sets and an agent's knowledge must say about a scene |
+//! | [`pair`] | agents and a post office that loses, delays, repeats and reorders |
+//! | [`flight`] | a small world around a pair |
+//! | [`missions`] | whole missions through the engine |
+
+pub mod flight;
+pub mod geometry;
+pub mod missions;
+pub mod pair;
+pub mod replay;
+pub mod scenes;
+pub mod truth;

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use csat_proto::ids::TargetId;
 use csat_proto::message::OemDelta;
 
+use super::predict::Predicted;
 use super::state::Knowledge;
-use crate::region::Inner;
-use crate::sense::{Measured, MeasuredTarget};
+use crate::region::Outer;
+use crate::sense::Measured;
 
 /// What a correction changed besides the sets.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -21,25 +22,33 @@ pub struct Changes {
 }
 
 /// Corrects predicted knowledge with what the own frame of the same step proves.
-pub fn correct(knowledge: &mut Knowledge, measured: &Measured) -> Changes {
+pub fn correct(knowledge: &mut Knowledge, predicted: &Predicted, measured: &Measured) -> Changes {
     let mut changes = Changes::default();
-    knowledge.margin = Inner::union([&knowledge.margin, &measured.obstacle_margin]);
-    // Seen again: ∩ X^{t,m} (4.31); seen first: X̄ ∩ X^{t,m} (4.32), with X̄ still as predicted.
-    for seen in &measured.targets {
-        if !knowledge.targets.contains_key(&seen.target) {
-            changes.identified.push(seen.target);
+    knowledge.learn_margin([&measured.obstacle_margin]);
+    let margin = &knowledge.margin;
+    let disproved = |target: Option<TargetId>| {
+        let others = measured.targets.iter().filter(move |other| Some(other.target) != target);
+        let exclusions = others.map(|other| &other.exclusion);
+        [&measured.clear_ground, margin].into_iter().chain(exclusions)
+    };
+    let mut targets: BTreeMap<TargetId, Outer> = BTreeMap::new();
+    for (&target, set) in &predicted.targets {
+        if !measured.targets.iter().any(|seen| seen.target == target) {
+            targets.insert(target, set.minus(disproved(Some(target)))); // (4.30)
         }
-        let set = knowledge.set_of(seen.target).intersection(&seen.location);
-        knowledge.targets.insert(seen.target, set);
     }
-    let Knowledge { targets, unexplored, margin, .. } = knowledge;
-    let everywhere = [&measured.clear_ground, &*margin];
-    for (&target, set) in targets.iter_mut() {
-        let exclusions = exclusions_of_others(&measured.targets, target);
-        *set = set.minus(everywhere.into_iter().chain(exclusions));
+    for seen in &measured.targets {
+        let target = seen.target;
+        // Seen again (4.31), or seen first (4.32): then it was in X̄.
+        let before = predicted.targets.get(&target).unwrap_or_else(|| {
+            changes.identified.push(target);
+            &predicted.unexplored
+        });
+        let set = before.resolved().intersection(&seen.location);
+        targets.insert(target, set.minus(disproved(Some(target))));
     }
-    let exclusions = measured.targets.iter().map(|t| &t.exclusion);
-    *unexplored = unexplored.minus(everywhere.into_iter().chain(exclusions));
+    let unexplored = predicted.unexplored.minus(disproved(None)); // (4.29)
+    (knowledge.targets, knowledge.unexplored) = (targets, unexplored);
 
     let mut oem = BTreeMap::new();
     for &delta in &measured.oem {
@@ -52,12 +61,4 @@ pub fn correct(knowledge: &mut Knowledge, measured: &Measured) -> Changes {
     knowledge.note_view(step, &measured.hidden, &measured.seen);
     changes.inconsistent = knowledge.restart_empty_sets();
     changes
-}
-
-/// The exclusion zones of all targets but `target`.
-fn exclusions_of_others(
-    measured: &[MeasuredTarget],
-    target: TargetId,
-) -> impl Iterator<Item = &Inner> {
-    measured.iter().filter(move |other| other.target != target).map(|other| &other.exclusion)
 }

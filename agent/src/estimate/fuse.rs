@@ -89,8 +89,7 @@ impl Fuser {
         }
         knowledge.targets = merged;
         knowledge.unexplored = knowledge.unexplored.intersection(&unexplored);
-        let margin = Inner::within(snapshot.obstacle_margin.clone());
-        knowledge.margin = Inner::union([&knowledge.margin, &margin]);
+        knowledge.learn_margin([&Inner::within(snapshot.obstacle_margin.clone())]);
     }
 
     /// All facts at once: first every detection, against X̄ as it stands, then everything that is
@@ -110,7 +109,7 @@ impl Fuser {
             everywhere.push(eroded(&fact.clear_ground, reach.as_ref()));
             margins.push(Inner::within(fact.obstacle_margin.clone()));
         }
-        knowledge.margin = Inner::union(margins.iter().chain([&knowledge.margin]));
+        knowledge.learn_margin(&margins);
         everywhere.extend(margins);
         for (&target, set) in &mut knowledge.targets {
             let others = exclusions.iter().filter(|(j, _)| *j != target).map(|(_, part)| part);

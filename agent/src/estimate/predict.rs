@@ -1,17 +1,28 @@
 //! Prediction (4.24)-(4.27): what was known one period ago, now.
 
+use std::collections::BTreeMap;
+
+use csat_proto::ids::TargetId;
 use csat_proto::time::Step;
 
 use super::state::Knowledge;
 use crate::config::AgentConfig;
-use crate::region::Disc;
+use crate::region::{Disc, Grown, Outer};
+
+/// The sets of step k, predicted from step k-1 (4.24)-(4.26).
+#[derive(Debug, Clone)]
+pub struct Predicted {
+    /// X_{ij,k|k-1}.
+    pub targets: BTreeMap<TargetId, Grown>,
+    /// X̄_{i,k|k-1}.
+    pub unexplored: Grown,
+}
 
 /// Grows the sets by whatever a target may do in one period.
 #[derive(Debug, Clone)]
 pub struct Predictor {
     reach: Disc,
     simplify_m: f64,
-    simplify_margin_m: f64,
     hidden_steps: u32,
 }
 
@@ -24,31 +35,44 @@ impl Predictor {
         Self {
             reach: Disc::circumscribed(radius_m, config.estimator.disc_vertices),
             simplify_m: config.estimator.simplify_m,
-            simplify_margin_m: config.estimator.simplify_margin_m,
             hidden_steps: (horizon_s / config.period_s).round() as u32,
         }
     }
 
-    /// Advances the knowledge, one period at a time, to `step`. X° stays (4.27)
-    /// but for its simplification.
+    /// Takes the knowledge to `step`, to be corrected there: its sets still are those of the step
+    /// before until then, and its X° stays (4.27).
     ///
     /// An agent that missed frames grows its sets for each of them: the targets moved all the same.
-    pub fn advance(&self, knowledge: &mut Knowledge, step: Step) {
-        while knowledge.step < step {
-            self.advance_one(knowledge);
+    pub fn predict(&self, knowledge: &mut Knowledge, step: Step) -> Predicted {
+        let missed = step.0.saturating_sub(knowledge.step.0 + 1);
+        for _ in 0..missed {
+            let Predicted { targets, unexplored } = self.grown(knowledge);
+            knowledge.targets = targets.iter().map(|(&j, set)| (j, set.resolved())).collect();
+            knowledge.unexplored = unexplored.resolved();
         }
+        // The first frame is of the step that the knowledge starts at: nothing has moved yet.
+        let predicted =
+            if step > knowledge.step { self.grown(knowledge) } else { still(knowledge) };
+        knowledge.step = knowledge.step.max(step);
         knowledge.forget_views_before(Step((step.0 + 1).saturating_sub(self.hidden_steps)));
+        predicted
     }
 
-    fn advance_one(&self, knowledge: &mut Knowledge) {
-        let ground = knowledge.ground().clone();
-        for set in knowledge.targets.values_mut() {
-            *set = std::mem::take(set).simplified(self.simplify_m).dilated(&self.reach, &ground);
+    fn grown(&self, knowledge: &Knowledge) -> Predicted {
+        let grown = |set: &Outer| Grown::new(set, self.simplify_m, &self.reach, knowledge.ground());
+        let targets = knowledge.targets.iter();
+        Predicted {
+            targets: targets.map(|(&j, set)| (j, grown(set))).collect(),
+            unexplored: grown(&knowledge.unexplored),
         }
-        let unexplored = std::mem::take(&mut knowledge.unexplored);
-        knowledge.unexplored =
-            unexplored.simplified(self.simplify_m).dilated(&self.reach, &ground);
-        knowledge.margin = std::mem::take(&mut knowledge.margin).simplified(self.simplify_margin_m);
-        knowledge.step = Step(knowledge.step.0 + 1);
+    }
+}
+
+fn still(knowledge: &Knowledge) -> Predicted {
+    let still = |set: &Outer| Grown::still(set, knowledge.ground());
+    let targets = knowledge.targets.iter();
+    Predicted {
+        targets: targets.map(|(&j, set)| (j, still(set))).collect(),
+        unexplored: still(&knowledge.unexplored),
     }
 }

@@ -32,6 +32,7 @@ pub struct Knowledge {
     pub hidden: Raster,
     recent_views: VecDeque<View>,
     ground: Region,
+    simplify_margin_m: f64,
 }
 
 impl Knowledge {
@@ -46,6 +47,7 @@ impl Knowledge {
             oem: Oem::unexplored(config.oem_grid()),
             hidden: Raster::empty(config.raster_grid()),
             recent_views: VecDeque::new(),
+            simplify_margin_m: config.estimator.simplify_margin_m,
             ground,
         }
     }
@@ -58,6 +60,15 @@ impl Knowledge {
     /// The set that is known to contain a target: X_ij, or X̄_i if j is not identified.
     pub fn set_of(&self, target: TargetId) -> &Outer {
         self.targets.get(&target).unwrap_or(&self.unexplored)
+    }
+
+    /// X° ∪= parts (4.28), simplified inward.
+    pub(super) fn learn_margin<'a>(&mut self, parts: impl IntoIterator<Item = &'a Inner>) {
+        let new: Vec<&Inner> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+        if !new.is_empty() {
+            let margin = Inner::union(std::iter::once(&self.margin).chain(new));
+            self.margin = margin.simplified(self.simplify_margin_m);
+        }
     }
 
     /// X^Δ = X̄ ∪ ⋃ X_j (5.11), coarsely.

@@ -29,12 +29,14 @@
 
 mod boolean;
 mod disc;
+mod grown;
 mod inner;
 mod outer;
 mod simplify;
 mod sweep;
 
 pub use disc::Disc;
+pub use grown::Grown;
 pub use inner::Inner;
 pub use outer::Outer;
 pub use simplify::{Kind, Tolerance, simplify_ring};

@@ -2,6 +2,7 @@
 
 use csat_proto::region::{GridBox, Region, Ring, Shape};
 
+use super::boolean::groups_apart;
 use super::simplify::{Kind, simplify_region};
 use super::sweep::dilated_path;
 use super::{Disc, Inner, RULE, overlay};
@@ -17,7 +18,8 @@ impl Outer {
         Self(region)
     }
 
-    /// The union of convex rings (counter-clockwise, grid), each dilated by `disc`, within `bounds`.
+    /// The union of convex rings (counter-clockwise, grid; points and segments are such, too), each
+    /// dilated by `disc`, within `bounds`.
     pub(crate) fn around(rings: &[Ring], disc: &Disc, bounds: &Region) -> Self {
         if !GridBox::around(rings.iter().flatten()).is_none_or(|b| disc.fits_about(&b)) {
             return Self(bounds.clone());
@@ -55,22 +57,8 @@ impl Outer {
 
     /// self minus the union of `parts`.
     pub fn minus<'a>(&self, parts: impl IntoIterator<Item = &'a Inner>) -> Outer {
-        let Some(bounds) = self.0.bounds() else { return Outer::default() };
-        let clip = shapes_meeting(parts.into_iter().map(Inner::region), &bounds);
-        let Some(clip_bounds) = GridBox::around(clip.iter().flat_map(|s| &s[0])) else {
-            return self.clone();
-        };
-        // Shapes that nothing touches need not pass through the overlay.
-        let touched = |shape: &&Shape| {
-            GridBox::around(&shape[0]).is_some_and(|shape_box| shape_box.meets(&clip_bounds))
-        };
-        let (subject, mut kept): (Vec<&Shape>, Vec<&Shape>) =
-            self.0.shapes().iter().partition(touched);
-        let cut =
-            overlay(subject.into_iter().flatten(), clip.into_iter().flatten(), RULE::Difference);
-        let mut shapes = cut.into_shapes();
-        shapes.extend(kept.drain(..).cloned());
-        Outer(Region::from_shapes(shapes))
+        let groups = groups_apart(parts.into_iter().map(Inner::region));
+        Outer(groups.iter().fold(self.0.clone(), |left, group| difference(left, group)))
     }
 
     /// (self ⊕ disc) ∩ bounds.
@@ -89,12 +77,62 @@ impl Outer {
     }
 }
 
-fn shapes_meeting<'a>(
+/// The shapes whose boxes meet `bounds`.
+pub(super) fn shapes_meeting<'a>(
     regions: impl Iterator<Item = &'a Region>,
     bounds: &GridBox,
 ) -> Vec<&'a Shape> {
-    regions
-        .flat_map(Region::shapes)
-        .filter(|shape| GridBox::around(&shape[0]).is_some_and(|b| b.meets(bounds)))
-        .collect()
+    regions.flat_map(Region::shapes).filter(|shape| meets(shape, bounds)).collect()
+}
+
+fn meets(shape: &Shape, bounds: &GridBox) -> bool {
+    GridBox::around(&shape[0]).is_some_and(|shape_box| shape_box.meets(bounds))
+}
+
+/// `region` minus regions that are apart from each other.
+pub(super) fn difference(region: Region, parts: &[&Region]) -> Region {
+    let Some(bounds) = region.bounds() else { return region };
+    let clip = shapes_meeting(parts.iter().copied(), &bounds);
+    let Some(clip_bounds) = GridBox::around(clip.iter().flat_map(|s| &s[0])) else {
+        return region;
+    };
+    // Shapes that nothing touches need not pass through the overlay.
+    let (subject, kept): (Vec<Shape>, Vec<Shape>) =
+        region.into_shapes().into_iter().partition(|shape| meets(shape, &clip_bounds));
+    let cut = overlay(subject.iter().flatten(), clip.into_iter().flatten(), RULE::Difference);
+    let mut shapes = cut.into_shapes();
+    shapes.extend(kept);
+    Region::from_shapes(shapes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use csat_proto::region::grid_point;
+
+    /// A hull of few points may be a segment, a point, or repeat points.
+    #[test]
+    fn degenerate_rings_are_dilated_too() {
+        let disc = Disc::circumscribed(1.0, 16);
+        let bounds = Region::rectangle([100.0, 100.0]);
+        let (a, b, c) = (grid_point([3.0, 4.0]), grid_point([8.0, 6.0]), grid_point([2.0, 9.0]));
+        let area = |ring: Ring| Outer::around(&[ring], &disc, &bounds).region().area_m2();
+        let disc_m2 = area(vec![a]);
+        assert!((3.14..3.19).contains(&disc_m2));
+        assert_eq!(area(vec![a, a, a]), disc_m2);
+        let segment_m2 = area(vec![a, b]);
+        assert!((segment_m2 - disc_m2 - 2.0 * 29f64.sqrt()).abs() < 0.1);
+        assert!((area(vec![a, b, b, a]) - segment_m2).abs() < 1e-3);
+        let triangle_m2 = area(vec![a, b, c]);
+        assert!((area(vec![a, a, b, c, c, c, a]) - triangle_m2).abs() < 1e-3);
+        assert_eq!(area(vec![]), 0.0);
+    }
+
+    #[test]
+    fn what_reaches_past_the_grid_fills_the_bounds() {
+        let bounds = Region::rectangle([100.0, 100.0]);
+        let far = vec![grid_point([4095.0, 0.0])];
+        let disc = Disc::circumscribed(1.5, 16);
+        assert_eq!(Outer::around(&[far], &disc, &bounds).into_region(), bounds);
+    }
 }

@@ -45,18 +45,28 @@ const ROUNDING: f64 = 2.0;
 
 /// Simplifies a region; each move shifts the border by at most `tolerance_m`.
 pub(super) fn simplify_region(region: Region, kind: Kind, tolerance_m: f64) -> Region {
-    let height = tolerance_m * UNITS_PER_M;
-    let tolerance = Tolerance { height, length: LENGTH_PER_HEIGHT * height, meet: true };
     let before = region.vertex_count();
-    let rings: Vec<Ring> = region
-        .rings()
-        .map(|ring| simplify_ring(ring, kind, tolerance))
-        .filter(|ring| ring.len() >= 3)
-        .collect();
+    let rings = simplified_rings(region.rings(), kind, tolerance_m);
     if rings.iter().map(Vec::len).sum::<usize>() == before {
         return region;
     }
     overlay(&rings, [], RULE::Subject)
+}
+
+/// The rings of a simplified region, not resolved: to be filled where their winding number is
+/// positive.
+pub(super) fn simplified_rings<'a>(
+    rings: impl IntoIterator<Item = &'a Ring>,
+    kind: Kind,
+    tolerance_m: f64,
+) -> Vec<Ring> {
+    let height = tolerance_m * UNITS_PER_M;
+    let tolerance = Tolerance { height, length: LENGTH_PER_HEIGHT * height, meet: true };
+    rings
+        .into_iter()
+        .map(|ring| simplify_ring(ring, kind, tolerance))
+        .filter(|ring| ring.len() >= 3)
+        .collect()
 }
 
 /// Simplifies one ring by the safe moves of `kind`, cheapest first, as far as `tolerance` allows;
@@ -145,8 +155,7 @@ impl Chain {
     }
 
     fn price_of_drop(&self, i: usize) -> Option<f64> {
-        let (a, v, b) =
-            (self.points[self.before(i)], self.points[i], self.points[self.after(i)]);
+        let (a, v, b) = (self.points[self.before(i)], self.points[i], self.points[self.after(i)]);
         let turn = cross(diff(a, v), diff(v, b));
         match (self.kind, turn) {
             (_, 0) => Some(0.0),
@@ -154,8 +163,11 @@ impl Chain {
             _ => {
                 let base = length(diff(a, b));
                 // The height of the triangle over a-b; of a needle, its length.
-                let height = (turn.unsigned_abs() as f64 / base.max(1.0))
-                    .max(if base < 1.0 { length(diff(a, v)) } else { 0.0 });
+                let height = (turn.unsigned_abs() as f64 / base.max(1.0)).max(if base < 1.0 {
+                    length(diff(a, v))
+                } else {
+                    0.0
+                });
                 Some(self.share(height, base))
             }
         }
@@ -164,8 +176,7 @@ impl Chain {
     /// Where the edges around the edge i → next meet, and the price.
     fn meeting(&self, i: usize) -> Option<(GridPoint, f64)> {
         let (b, c) = (self.points[i], self.points[self.after(i)]);
-        let (a, d) =
-            (self.points[self.before(i)], self.points[self.after(self.after(i))]);
+        let (a, d) = (self.points[self.before(i)], self.points[self.after(self.after(i))]);
         let (u, e, w) = (diff(a, b), diff(b, c), diff(c, d));
         let (at_b, at_c, between) = (cross(u, e), cross(e, w), cross(u, w));
         let sign = if self.kind == Kind::Outer { 1 } else { -1 };

@@ -84,11 +84,8 @@ impl MarginSensor {
             rings.extend(self.margin_of(view, pixel));
             raised.extend(self.raise_cell(view, pixel));
         });
-        let margin = if rings.is_empty() {
-            Inner::default()
-        } else {
-            Inner::from_rings(&rings, ground)
-        };
+        let margin =
+            if rings.is_empty() { Inner::default() } else { Inner::from_rings(&rings, ground) };
         let delta = |cell: usize| {
             let state = OemCell::Occupied { height_dm: self.height_dm[cell] };
             OemDelta { cell: cell as u32, state }
@@ -122,7 +119,7 @@ impl MarginSensor {
         let cell = self.oem_grid.index(c, r);
         let known_dm = &mut self.height_dm[cell];
         // The corners are within a pixel's width of the centre ray, at either end.
-        let ends_z = (ray.z * near).max(ray.z * far) + far / view.model().focal_px();
+        let ends_z = (ray.z * near).max(ray.z * far) + far / view.focal_px();
         if (view.centre_world().z + ends_z) * 10.0 <= f64::from(*known_dm) {
             return None;
         }

@@ -6,6 +6,7 @@ mod boolean;
 mod dilate;
 mod disc;
 mod erode;
+mod grown;
 mod growth;
 mod limits;
 mod oracle;

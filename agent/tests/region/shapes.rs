@@ -86,7 +86,8 @@ pub fn solid(rings: &[Ring]) -> Region {
     resolved(rings, FillRule::NonZero)
 }
 
-fn resolved(rings: &[Ring], fill: FillRule) -> Region {
+/// Rings to a region, by the library's own settings.
+pub fn resolved(rings: &[Ring], fill: FillRule) -> Region {
     Region::from_shapes(Overlay::from_subj(rings).overlay(OverlayRule::Subject, fill))
 }
 

@@ -1,0 +1,67 @@
+//! `Grown` is what simplification, dilation and difference are one after the other.
+
+use csat_agent::region::{Disc, Grown, Inner, Outer};
+use csat_proto::region::Region;
+use i_overlay::core::overlay_rule::OverlayRule;
+use rand::RngExt;
+
+use crate::dilate::any_disc;
+use crate::oracle::{ROUNDING_M, assert_same, excess_m2, minkowski_sum, overlay, perimeter_m};
+use crate::shapes::{Rng, any_region, cases, region_at};
+use crate::simplify::any_tolerance_m;
+
+/// Bounds that many a set sticks out of.
+fn bounds() -> Region {
+    Region::rectangle([900.0, 700.0])
+}
+
+fn parts_about(rng: &mut Rng, region: &Region) -> Vec<Inner> {
+    let [x, y] = region.barycentre().unwrap_or_default();
+    let scale_m = (2.0 * region.area_m2().sqrt()).clamp(1e-3, 300.0);
+    let part = |rng: &mut Rng| {
+        let mut near = |at: f64| at + scale_m * rng.random_range(-1.0..1.0);
+        let at = [near(x), near(y)];
+        Inner::within(region_at(rng, at, scale_m * 0.5))
+    };
+    (0..rng.random_range(0..5)).map(|_| part(rng)).collect()
+}
+
+/// The raw path of a simplified ring is not resolved before it is dilated.
+#[test]
+fn growing_is_simplifying_and_dilating() {
+    cases("growing_is_simplifying_and_dilating", 2000, |rng| {
+        let region = any_region(rng);
+        let (radius_m, vertices) = any_disc(rng, &region);
+        let disc = Disc::circumscribed(radius_m, vertices);
+        let tolerance_m = any_tolerance_m(rng, &region);
+        let set = Outer::containing(region);
+        let grown = Grown::new(&set, tolerance_m, &disc, &bounds()).resolved();
+        let simple = set.clone().simplified(tolerance_m);
+        let expected = minkowski_sum(simple.region(), disc.corners());
+        assert_same(grown.region(), &overlay(&expected, &bounds(), OverlayRule::Intersect));
+    });
+}
+
+#[test]
+fn growing_and_cutting_at_once_changes_nothing() {
+    cases("growing_and_cutting_at_once_changes_nothing", 1000, |rng| {
+        let region = any_region(rng);
+        let (radius_m, vertices) = any_disc(rng, &region);
+        let disc = Disc::circumscribed(radius_m, vertices);
+        let tolerance_m = any_tolerance_m(rng, &region);
+        let parts = parts_about(rng, &region);
+        let set = Outer::containing(region);
+        for grown in
+            [Grown::new(&set, tolerance_m, &disc, &bounds()), Grown::still(&set, &bounds())]
+        {
+            let whole = grown.resolved();
+            let at_once = grown.minus(&parts).into_region();
+            let plain = parts.iter().fold(whole.region().clone(), |left, part| {
+                overlay(&left, part.region(), OverlayRule::Difference)
+            });
+            assert_same(&at_once, &plain);
+            let outside = excess_m2(&at_once, &bounds());
+            assert!(outside <= ROUNDING_M * perimeter_m(&at_once) + 1e-9);
+        }
+    });
+}

@@ -1,0 +1,109 @@
+//! Whole missions through the engine, in worlds small enough for many of them.
+
+use csat_agent::config::ExchangeMode;
+use csat_experiments::engine::Engine;
+use csat_experiments::metrics::percent_of;
+use csat_experiments::plug::Mission;
+use csat_experiments::scenario::Scenario;
+use csat_experiments::set_membership::SetMembership;
+use csat_world::world::{World, WorldConfig, WorldErrors};
+
+/// A generated town of `side_m`, a small coarse camera, low UAVs.
+pub fn small(seed: u64, side_m: f64, uavs: u16) -> Scenario {
+    let mut scenario = Scenario { seed, ..Scenario::default() };
+    scenario.map.size_m = [side_m; 2];
+    scenario.map.built_share = 0.08;
+    scenario.map.max_height_m = 25.0;
+    scenario.map.road_spacing_m = 45.0;
+    scenario.targets.count = 4;
+    scenario.agents.count = uavs;
+    scenario.agents.altitude_m = 34.0;
+    scenario.camera.columns = 96;
+    scenario.camera.rows = 72;
+    scenario.camera.tilt_deg = 40.0;
+    scenario.camera.d_max_m = 150.0;
+    scenario.camera.min_pixels = 2;
+    scenario
+}
+
+/// The world of a scenario.
+///
+/// # Errors
+/// When there is none.
+pub fn world_of(scenario: &Scenario) -> Result<World, WorldErrors> {
+    let config = WorldConfig {
+        map: scenario.map.clone(),
+        targets: scenario.targets,
+        fleet: scenario.agents,
+        camera: scenario.camera,
+        period_s: scenario.run.period_s,
+    };
+    World::new(&config, scenario.seed)
+}
+
+/// How a mission went.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Of every agent at every step.
+    pub digest: u64,
+    /// Everything the monitor found, described.
+    pub violations: Vec<String>,
+    /// Sets that became empty.
+    pub inconsistencies: u64,
+    /// φ(X̄), mean over agents at the end, per cent.
+    pub unexplored_pct: f64,
+    /// φ(X̄), mean over agents and steps, per cent.
+    pub mean_unexplored_pct: f64,
+    /// Targets known to the first agent at the end.
+    pub identified: usize,
+    /// Messages that got lost.
+    pub dropped: u64,
+}
+
+impl Outcome {
+    /// # Panics
+    /// When anything happened that never must.
+    pub fn check(&self, what: &str) {
+        assert!(self.violations.is_empty(), "{what}: {:#?}", self.violations);
+        assert_eq!(self.inconsistencies, 0, "{what}: sets became empty");
+    }
+}
+
+/// Flies steps 0 to `steps`.
+///
+/// # Panics
+/// When the scenario has no world.
+pub fn fly(scenario: &Scenario, steps: u32) -> Outcome {
+    let world = world_of(scenario).unwrap_or_else(|e| panic!("seed {}: {e}", scenario.seed));
+    let mission = SetMembership::new(scenario);
+    let mut engine = Engine::new(mission.clone(), world, &scenario.netem, scenario.seed);
+    let (mut violations, mut inconsistencies, mut sum) = (Vec::new(), 0, 0.0);
+    let mut unexplored_pct = 0.0;
+    for _ in 0..=steps {
+        let trace = engine.step();
+        violations.extend(trace.violations.iter().map(|v| format!("{v:?}")));
+        inconsistencies +=
+            trace.events.iter().filter(|(_, event)| mission.is_inconsistency(event)).count() as u64;
+        let seats = engine.seats();
+        let share = |region| percent_of(&scenario.ground(), region);
+        let all = seats.iter().map(|s| share(s.agent.knowledge().unexplored.region().area_m2()));
+        unexplored_pct = all.sum::<f64>() / seats.len() as f64;
+        sum += unexplored_pct;
+    }
+    assert!(engine.counters().conserved(), "{:?}", engine.counters());
+    Outcome {
+        digest: engine.digest(),
+        violations,
+        inconsistencies,
+        unexplored_pct,
+        mean_unexplored_pct: sum / f64::from(steps + 1),
+        identified: engine.seats()[0].agent.knowledge().targets.len(),
+        dropped: engine.counters().dropped.values().sum(),
+    }
+}
+
+/// The scenario with another way to exchange knowledge.
+pub fn with_mode(mut scenario: Scenario, mode: ExchangeMode) -> Scenario {
+    scenario.exchange.mode = mode;
+    scenario
+}

@@ -1,0 +1,39 @@
+//! Tests over many seeds. A failing seed says how to run it alone.
+
+use std::ops::Range;
+
+/// The variable that picks one seed.
+const VARIABLE: &str = "CSAT_SEED";
+
+/// Runs `check` for every seed of a range, or only for the one in `CSAT_SEED`. `test` is what
+/// `cargo test` needs to find the caller: its file and its name.
+pub fn for_seeds(test: [&'static str; 2], seeds: Range<u64>, mut check: impl FnMut(u64)) {
+    let picked = std::env::var(VARIABLE).ok().and_then(|seed| seed.parse().ok());
+    let seeds = picked.map_or(seeds, |seed: u64| seed..seed + 1);
+    for seed in seeds {
+        let _announce = Announce { test, seed };
+        check(seed);
+    }
+}
+
+/// Whether a single seed is being replayed: counts over all seeds mean nothing then.
+pub fn is_replay() -> bool {
+    std::env::var(VARIABLE).is_ok()
+}
+
+struct Announce {
+    test: [&'static str; 2],
+    seed: u64,
+}
+
+impl Drop for Announce {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            let ([file, name], seed) = (self.test, self.seed);
+            eprintln!(
+                "seed {seed} failed; replay it with\n    {VARIABLE}={seed} cargo test -p csat-tests \
+                 --test {file} {name} -- --nocapture"
+            );
+        }
+    }
+}
