@@ -2,16 +2,14 @@
 
 use csat_proto::region::{GridBox, GridPoint, MAX_COORDINATE_M, Region, Ring, Shape, to_units};
 
-use super::boolean::groups_apart;
-use super::outer::{difference, shapes_meeting};
+use super::boolean::shallow_groups;
 use super::simplify::{Kind, simplified_rings};
 use super::sweep::dilated_path;
 use super::{Disc, Inner, Outer, RULE, overlay};
 
 /// A dilated outer set whose raw paths are not resolved yet: X_{k|k-1} (4.24)-(4.26).
 ///
-/// Resolving them costs as much as taking parts out, so [`Self::minus`] does both at once (with
-/// the first group of parts that are apart from each other). The paths
+/// Resolving them costs as much as taking parts out, so [`Self::minus`] does both at once. The paths
 /// are filled where their winding number is positive. Simplified rings need not be resolved before
 /// they are dilated: an outer simplification only adds to winding numbers of 0 and 1, so none is
 /// negative, a border of the filled set runs along an edge with 0 on its right, and the sweep of
@@ -60,18 +58,26 @@ impl Grown {
 
     /// The set minus the union of `parts`.
     pub fn minus<'a>(&self, parts: impl IntoIterator<Item = &'a Inner>) -> Outer {
-        let parts: Vec<(GridBox, &Shape)> = parts
-            .into_iter()
-            .flat_map(|part| part.region().shapes())
-            .filter_map(|shape| Some((GridBox::around(&shape[0])?, shape)))
-            .collect();
+        let with_box = |shape: &'a Shape| Some((GridBox::around(&shape[0])?, shape));
+        let layers: Vec<Vec<(GridBox, &'a Shape)>> =
+            shallow_groups(parts.into_iter().map(Inner::region))
+                .into_iter()
+                .map(|layer| {
+                    layer.into_iter().flat_map(Region::shapes).filter_map(with_box).collect()
+                })
+                .collect();
         let outside = outside(&self.bounds);
         let mut left: Vec<Shape> = Vec::new();
         for Group { reach, paths } in &self.groups {
-            let near = parts.iter().filter(|(part_box, _)| part_box.meets(reach));
+            let near = |layer: &Vec<(GridBox, &'a Shape)>| -> Vec<&Ring> {
+                layer.iter().filter(|(b, _)| b.meets(reach)).flat_map(|(_, shape)| *shape).collect()
+            };
+            let mut cuts = layers.iter().map(near).filter(|cut| !cut.is_empty());
             let beyond = if is_within(reach, &self.bounds) { &[][..] } else { &outside };
-            let clip = near.flat_map(|(_, shape)| shape.iter()).chain(beyond);
-            left.extend(overlay(paths, clip, RULE::Difference).into_shapes());
+            let first = cuts.next().unwrap_or_default().into_iter().chain(beyond);
+            let start = overlay(paths, first, RULE::Difference);
+            let set = cuts.fold(start, |set, cut| overlay(set.rings(), cut, RULE::Difference));
+            left.extend(set.into_shapes());
         }
         Outer::containing(Region::from_shapes(left))
     }
@@ -96,8 +102,13 @@ fn groups(shapes: impl Iterator<Item = Shape>) -> Vec<Group> {
 
 /// Whether a box lies within a rectangle; false if `bounds` is no rectangle.
 fn is_within(reach: &GridBox, bounds: &Region) -> bool {
-    bounds.vertex_count() == 4
-        && bounds.bounds().is_some_and(|b| b.contains(reach.min) && b.contains(reach.max))
+    bounds.bounds().is_some_and(|b| {
+        let is_corner = |p: &GridPoint| {
+            (p.x == b.min.x || p.x == b.max.x) && (p.y == b.min.y || p.y == b.max.y)
+        };
+        let is_rectangle = bounds.vertex_count() == 4 && bounds.rings().flatten().all(is_corner);
+        is_rectangle && b.contains(reach.min) && b.contains(reach.max)
+    })
 }
 
 /// The rings of everything outside `bounds`.

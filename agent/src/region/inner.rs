@@ -2,7 +2,7 @@
 
 use csat_proto::region::{Region, Ring};
 
-use super::boolean::groups_apart;
+use super::boolean::shallow_groups;
 use super::simplify::{Kind, simplify_region};
 use super::sweep::eroded_path;
 use super::{Disc, RULE, overlay};
@@ -40,13 +40,12 @@ impl Inner {
 
     /// The union of all `parts`.
     pub fn union<'a>(parts: impl IntoIterator<Item = &'a Inner>) -> Inner {
-        let mut groups = groups_apart(parts.into_iter().map(Inner::region)).into_iter();
-        let Some(first) = groups.next() else { return Inner::default() };
-        let first =
-            Region::from_shapes(first.into_iter().flat_map(Region::shapes).cloned().collect());
-        Inner(groups.fold(first, |sum, group| {
-            overlay(sum.rings(), group.into_iter().flat_map(Region::rings), RULE::Union)
-        }))
+        let mut parts = parts.into_iter().filter(|part| !part.is_empty());
+        let Some(first) = parts.next() else { return Inner::default() };
+        shallow_groups(parts.map(Inner::region)).into_iter().fold(first.clone(), |sum, group| {
+            let clip = group.into_iter().flat_map(Region::rings);
+            Inner(overlay(sum.0.rings(), clip, RULE::Union))
+        })
     }
 
     /// self ⊖ disc.

@@ -3,16 +3,18 @@
 use csat_proto::camera::CameraView;
 use csat_proto::region::{GridPoint, Region, Ring, grid_point};
 
+use super::outline::UNITS_PER_PX;
 use crate::region::Inner;
 
 /// C = P^g(Y^g) ∩ X_g (4.6): the ground seen through Ground pixels, inner.
 ///
 /// The image-to-ground map is a homography, and homographies map straight edges to straight edges:
 /// mapping the corners of the pixels' outline is exact, whatever the number of pixels. `outline`
-/// holds rings in pixels with the ground on the left, filled by positive winding; no target location
+/// holds rings in 1/256 pixels with the ground on the left, filled by positive winding; no target location
 /// is in the result by Assumption 7 (Proposition 14).
 pub fn clear_ground(view: &CameraView, outline: &[Ring], ground: &Region) -> Inner {
-    let on_ground = |p: &GridPoint| view.ground_point(p.x.into(), p.y.into()).map(grid_point);
+    let pixels = |units: i32| f64::from(units) / f64::from(UNITS_PER_PX);
+    let on_ground = |p: &GridPoint| view.ground_point(pixels(p.x), pixels(p.y)).map(grid_point);
     // Every corner of a Ground pixel sees the ground; a frame that claims otherwise proves nothing.
     let mapped: Option<Vec<Ring>> =
         outline.iter().map(|ring| ring.iter().rev().map(on_ground).collect()).collect();

