@@ -21,8 +21,12 @@ Examples:
   csat check my.toml                        every mistake at once, with its line
   csat plot runs/city-seed1                 draw the pictures of a run again
 
-Exit codes: 0 done; 1 something failed; 2 bad input, nothing was run; 3 the guarantee or a
-separation was violated during the mission.";
+Exit codes:
+  0    done
+  1    something failed, such as a full disk
+  2    bad input: nothing was run
+  3    the mission flew, and the guarantee or a separation was violated
+  130  ended early by Ctrl-C: the run folder is whole up to there";
 
 /// What to do.
 #[derive(Debug, Clone, Subcommand)]

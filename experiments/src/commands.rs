@@ -1,7 +1,7 @@
 //! What the commands of `csat` do, with their exit codes.
 
 use std::fs::File;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,13 +15,7 @@ use csat_experiments::plot;
 use csat_experiments::record::{Finished, RecordError, RecordOptions, Recorder};
 use csat_experiments::run_folder::{Destination, FolderError};
 use csat_experiments::scenario::{self, Loaded, Mistakes, Request};
-
-/// Something failed.
-pub const FAILED: u8 = 1;
-/// Bad input: nothing was run.
-pub const BAD_INPUT: u8 = 2;
-/// The mission flew and what it must never do happened.
-pub const VIOLATED: u8 = 3;
+use csat_experiments::verdict::{BAD_INPUT, DONE, verdict};
 
 fn load(arguments: &ScenarioArguments) -> Result<Loaded, Mistakes> {
     let ScenarioArguments { scenario, sets, seed } = arguments;
@@ -41,21 +35,23 @@ pub fn check(arguments: &ScenarioArguments) -> anyhow::Result<u8> {
         eprintln!("{}", warning.render("warning"));
     }
     let scenario = &loaded.scenario;
-    let count = loaded.warnings.len();
-    let warnings = match count {
+    let warnings = match loaded.warnings.len() {
         0 => String::new(),
-        1 => ", 1 warning".to_owned(),
-        _ => format!(", {count} warnings"),
+        count => format!(", {}", warnings(count)),
     };
-    println!(
-        "{}: no mistakes{warnings}: {} UAVs, {} targets, {} buildings, {} s",
+    say(&format!(
+        "{}: no mistakes{warnings}: {} UAVs, {} targets, {} buildings, {} s\n",
         loaded.name,
         scenario.agents.count,
         scenario.targets.count,
         loaded.world.obstacles().len(),
         scenario.run.duration_s
-    );
-    Ok(0)
+    ))?;
+    Ok(DONE)
+}
+
+fn warnings(count: usize) -> String {
+    if count == 1 { "1 warning".to_owned() } else { format!("{count} warnings") }
 }
 
 /// `csat run`.
@@ -75,10 +71,13 @@ pub fn run(arguments: &RunArguments, logs: &Logs) -> anyhow::Result<u8> {
     }
     let destination = destination(arguments.out.as_deref(), &loaded);
     let options = RecordOptions { destination, quiet: arguments.json };
+    let interrupted = interrupted_by_the_user()?;
     let mut recorder = match Recorder::create(&loaded, &options) {
         Ok(recorder) => recorder,
         Err(RecordError::Folder(
-            error @ (FolderError::NotEmpty(_) | FolderError::NotAFolder(_)),
+            error @ (FolderError::NotEmpty(_)
+            | FolderError::NotAFolder(_)
+            | FolderError::Nameless(_)),
         )) => {
             eprintln!("error: {error}\n  = expected with --out a folder that is new or empty");
             return Ok(BAD_INPUT);
@@ -89,10 +88,13 @@ pub fn run(arguments: &RunArguments, logs: &Logs) -> anyhow::Result<u8> {
     let log = partial.join("csat.log");
     logs.attach(File::create(&log).with_context(|| format!("cannot create `{}`", log.display()))?);
     logs.share_terminal(recorder.progress().clone());
+    if !loaded.warnings.is_empty() && !arguments.json {
+        let count = warnings(loaded.warnings.len());
+        eprintln!("{count}, in full in csat.log and from `csat check`");
+    }
     for warning in &loaded.warnings {
         tracing::info!("{}", warning.render("warning").trim_end());
     }
-    let interrupted = interrupted_by_the_user()?;
     let finished = mission::run(loaded, &RunOptions { interrupted }, &mut recorder)
         .map_err(anyhow::Error::from)
         .and_then(|outcome| Ok(recorder.finish(outcome)?))
@@ -133,28 +135,31 @@ fn interrupted_by_the_user() -> anyhow::Result<Arc<AtomicBool>> {
 fn report(finished: &Finished, json: bool) -> anyhow::Result<u8> {
     let Finished { folder, summary } = finished;
     if json {
-        print!("{}", summary.to_json());
+        say(&summary.to_json())?;
     } else {
-        println!("{}", summary.describe());
-        println!("{}", folder.display());
+        say(&format!("{}\n{}\n", summary.describe(), folder.display()))?;
     }
-    if summary.violations > 0 {
-        eprintln!(
-            "VIOLATED {} times: the guarantee or a separation did not hold; see events.jsonl in \
-             `{}`, and fly it again with --seed {}",
-            summary.violations,
-            folder.display(),
-            summary.seed
-        );
-        return Ok(VIOLATED);
+    let verdict = verdict(summary, folder);
+    if let Some(alarm) = &verdict.alarm {
+        eprintln!("{alarm}");
     }
-    Ok(0)
+    Ok(verdict.code)
+}
+
+/// Writes to stdout; a reader that has seen enough (`| head`) is no failure.
+fn say(text: &str) -> anyhow::Result<()> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to stdout")
+        }
+        _ => Ok(()),
+    }
 }
 
 /// `csat plot`.
 pub fn plot(dir: &Path) -> anyhow::Result<u8> {
-    for path in plot::redraw(dir)? {
-        println!("{}", path.display());
-    }
-    Ok(0)
+    let pictures = plot::redraw(dir)?;
+    say(&pictures.map(|path| format!("{}\n", path.display())).concat())?;
+    Ok(DONE)
 }

@@ -17,6 +17,7 @@
 //! | [`view`] | the end of a mission, to be drawn |
 //! | [`plot`] | `map.svg` and `metrics.svg` |
 //! | [`progress`], [`logs`] | what shows while it flies |
+//! | [`verdict`] | exit codes |
 //! | [`timing`], [`stages`] | the only clock |
 
 pub mod cli;
@@ -38,4 +39,5 @@ pub mod summary;
 #[cfg(test)]
 mod testing;
 pub mod timing;
+pub mod verdict;
 pub mod view;

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use csat_experiments::cli::{Cli, Command};
 use csat_experiments::logs::Logs;
+use csat_experiments::verdict::FAILED;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -20,7 +21,7 @@ fn main() -> ExitCode {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
             eprintln!("error: {error:#}");
-            ExitCode::from(commands::FAILED)
+            ExitCode::from(FAILED)
         }
     }
 }

@@ -126,7 +126,7 @@ impl<M: Mission> Flight<M> {
             let trace = self.engine.step();
             self.record_events(&trace, recorder)?;
             let rows = self.measure(&trace, f64::from(step) * period_s);
-            recorder.step(&rows)?;
+            recorder.step(&rows, self.engine.monitor().counts().total())?;
             self.draw_tracks();
             flown = step;
             if options.interrupted.load(Ordering::SeqCst) {
@@ -251,7 +251,7 @@ impl<M: Mission> Flight<M> {
             bytes_sent: self.engine.counters().bytes_sent / receivers,
             messages: messages(self.engine.counters()),
             digest: self.engine.digest(),
-            view: self.view,
+            view: self.view.rounded(),
         }
     }
 }

@@ -90,7 +90,6 @@ pub struct Recorder {
     events: PartialFile,
     series: Series,
     timing: Timing,
-    violations: u64,
     progress: Progress,
     watch: Stopwatch,
 }
@@ -118,7 +117,6 @@ impl Recorder {
             events,
             series: Series::default(),
             timing: Timing::default(),
-            violations: 0,
             progress: Progress::new(scenario.steps(), scenario.targets.count, options.quiet),
             watch: Stopwatch::start(),
             folder,
@@ -135,18 +133,18 @@ impl Recorder {
         &self.progress
     }
 
-    /// Takes down one step: one row per agent, by increasing index.
+    /// Takes down one step: one row per agent, by increasing index; `violations` counts what the
+    /// monitor found so far.
     ///
     /// # Errors
     /// When the system refuses, as when the disk is full.
-    pub fn step(&mut self, rows: &[StepRecord]) -> Result<(), RecordError> {
+    pub fn step(&mut self, rows: &[StepRecord], violations: u64) -> Result<(), RecordError> {
         for row in rows {
             self.metrics.serialize(row).map_err(|error| self.csv_error(error))?;
             self.timing.add(&row.times);
-            self.violations += u64::from(row.violations);
         }
         if let Some(point) = Point::of(rows) {
-            self.progress.step(&point, self.violations);
+            self.progress.step(&point, violations);
             self.series.0.push(point);
         }
         Ok(())

@@ -24,7 +24,7 @@ fn fly(recorder: &mut Recorder) {
             times: StageTimes { render: Some(2.0 + f64::from(agent)), ..StageTimes::default() },
             ..StepRecord::default()
         };
-        recorder.step(&[row(0), row(1)]).unwrap();
+        recorder.step(&[row(0), row(1)], 0).unwrap();
         recorder.event(&serde_json::json!({ "step": step, "kind": "identified" })).unwrap();
     }
 }
@@ -115,7 +115,7 @@ fn a_full_disk_is_an_error_that_names_the_file() {
     let mut error = None;
     let row = StepRecord::default();
     for _ in 0..10_000 {
-        error = recorder.step(&[row]).err();
+        error = recorder.step(&[row], 0).err();
         if error.is_some() {
             break;
         }

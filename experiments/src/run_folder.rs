@@ -14,9 +14,12 @@ pub enum FolderError {
     /// The user named a folder that holds something.
     #[error("`{}` exists and is not empty: a run never overwrites anything", .0.display())]
     NotEmpty(PathBuf),
-    /// The user named a file.
-    #[error("`{}` is a file, expected a folder that does not exist yet", .0.display())]
+    /// The user named a file, a device or a link.
+    #[error("`{}` is not a folder", .0.display())]
     NotAFolder(PathBuf),
+    /// The user named a folder in a way that has no name of its own, such as `.`.
+    #[error("`{}` has no name of its own that a run folder could get", .0.display())]
+    Nameless(PathBuf),
     /// The system refused.
     #[error("cannot {what} `{}`: {error}", path.display())]
     Io {
@@ -48,15 +51,22 @@ impl Destination {
     /// The final folder if the run ended now.
     ///
     /// # Errors
-    /// [`FolderError::NotEmpty`] or [`FolderError::NotAFolder`] for a named folder that holds
-    /// something.
+    /// [`FolderError::NotEmpty`], [`FolderError::NotAFolder`] or [`FolderError::Nameless`] for a
+    /// named folder that cannot be taken.
     pub fn resolve(&self) -> Result<PathBuf, FolderError> {
         match self {
-            Self::Named(path) => match fs::read_dir(path).map(Iterator::count) {
-                Ok(entries) if entries > 0 => Err(FolderError::NotEmpty(path.clone())),
-                Err(_) if path.is_file() => Err(FolderError::NotAFolder(path.clone())),
-                _ => Ok(path.clone()),
-            },
+            Self::Named(path) => {
+                let kind = path.symlink_metadata().map(|metadata| metadata.is_dir());
+                match fs::read_dir(path).map(Iterator::count) {
+                    Ok(entries) if entries > 0 => Err(FolderError::NotEmpty(path.clone())),
+                    // A link, a file or a device: a folder cannot take its place.
+                    _ if kind.is_ok_and(|is_folder| !is_folder) => {
+                        Err(FolderError::NotAFolder(path.clone()))
+                    }
+                    _ if path.file_name().is_none() => Err(FolderError::Nameless(path.clone())),
+                    _ => Ok(path.clone()),
+                }
+            }
             Self::Numbered(path) => {
                 let taken = |p: &Path| p.symlink_metadata().is_ok();
                 let mut free = path.clone();
@@ -241,6 +251,14 @@ mod tests {
         let file = Destination::Named(base.join("city-seed1/kept"));
         assert!(matches!(RunFolder::create(file), Err(FolderError::NotAFolder(_))));
         assert_eq!(fs::read_to_string(base.join("city-seed1/kept")).unwrap(), "mine");
+        assert!(matches!(
+            RunFolder::create(Destination::Named(".".into())),
+            Err(FolderError::NotEmpty(_))
+        ));
+        let up = Destination::Named(base.join("city-seed1-3/../city-seed1-3/.."));
+        assert!(up.resolve().is_err());
+        let nameless = Destination::Named("nowhere/..".into()).resolve();
+        assert!(matches!(nameless, Err(FolderError::Nameless(_))));
         // An empty folder is as good as none.
         let folder = RunFolder::create(Destination::Named(base.join("city-seed1-2"))).unwrap();
         folder.write("x", "y").unwrap();

@@ -78,13 +78,19 @@ impl Summary {
             Some(time_s) => format!("all after {time_s} s"),
             None => "not all".to_owned(),
         };
+        let reasons: Vec<String> =
+            self.messages.dropped.iter().map(|(reason, n)| format!("{reason} {n}")).collect();
+        let dropped = match self.messages.dropped.values().sum::<u64>() {
+            0 => String::new(),
+            sum => format!(", {sum} dropped ({})", reasons.join(", ")),
+        };
         let ended = if self.interrupted { ", ended early by the user" } else { "" };
         format!(
             "{} seed {}: {} s flown in {:.1} s ({:.1}x real time){ended}\n\
              identified {}/{} ({all}), violations {}, inconsistencies {}\n\
              second half: unexplored {:.2} % (hidden {:.2} %), explored {:.2} %, localisation \
              error {}, target radius {}\n\
-             messages: {} sent, {} delivered, {:.2} MB; digest {}",
+             messages: {} sent, {} delivered{dropped}, {:.2} MB; digest {}",
             self.scenario,
             self.seed,
             self.sim_s,
@@ -193,6 +199,7 @@ pub(crate) mod tests {
         let text = sample().describe();
         assert!(text.contains("city seed 7: 300 s flown in 12.5 s (24.0x real time)\n"), "{text}");
         assert!(text.contains("identified 8/8 (all after 93.5 s), violations 0"), "{text}");
+        assert!(text.contains("12 sent, 9 delivered, 3 dropped (range 3), 1.23 MB;"), "{text}");
         let early = Summary { interrupted: true, all_identified_s: None, ..sample() }.describe();
         assert!(
             early.contains("ended early by the user") && early.contains("(not all)"),

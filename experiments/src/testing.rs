@@ -1,15 +1,23 @@
 //! Help for this crate's tests.
 
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::ops::Deref;
+use std::path::Path;
+
+use tempfile::TempDir;
+
+/// A new empty folder that goes away with its test.
+#[derive(Debug)]
+pub struct Scratch(TempDir);
+
+impl Deref for Scratch {
+    type Target = Path;
+    fn deref(&self) -> &Path {
+        self.0.path()
+    }
+}
 
 /// A new empty folder.
-pub fn scratch(name: &str) -> PathBuf {
-    static NEXT: AtomicU32 = AtomicU32::new(0);
-    let number = NEXT.fetch_add(1, Ordering::Relaxed);
-    let folder =
-        std::env::temp_dir().join(format!("csat-test-{}-{number}-{name}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).expect("a scratch folder");
-    folder
+pub fn scratch(name: &str) -> Scratch {
+    let folder = tempfile::Builder::new().prefix(&format!("csat-{name}-")).tempdir();
+    Scratch(folder.expect("a scratch folder"))
 }

@@ -116,6 +116,26 @@ impl View {
             ..Self::default()
         }
     }
+
+    /// With every length to the nearest millimetre: what is drawn is what is written down, and a
+    /// large fleet's file stays small.
+    pub fn rounded(mut self) -> Self {
+        let roads = self.roads.iter_mut();
+        let footprints_and_paths =
+            self.uavs.iter_mut().flat_map(|u| [&mut u.path, &mut u.footprint]);
+        let rings = self.obstacles.iter_mut().flat_map(|building| &mut building.rings);
+        let lines = roads.chain(footprints_and_paths).chain(&mut self.targets).chain(rings);
+        for point in lines.flatten() {
+            *point = point.map(to_millimetre);
+        }
+        for uav in &mut self.uavs {
+            uav.yaw_rad = (uav.yaw_rad * 1e6).round() / 1e6;
+        }
+        for building in &mut self.obstacles {
+            building.height_m = to_millimetre(building.height_m);
+        }
+        self
+    }
 }
 
 fn to_millimetre(metres: f64) -> f64 {

@@ -250,17 +250,28 @@ impl Raster {
         out
     }
 
-    /// The lengths of the runs of absent and present cells in row-major order, absent first.
+    /// The lengths of the runs of absent and present cells in row-major order, absent first; the last
+    /// run, which ends with the grid, is left out.
     fn runs(&self) -> Vec<u32> {
         let mut runs = Vec::new();
         let (mut present, mut length) = (false, 0);
         for row in 0..self.grid.rows {
-            for column in 0..self.grid.columns {
-                if self.get(column, row) != present {
-                    runs.push(length);
-                    (present, length) = (!present, 0);
+            let mut left = self.grid.columns;
+            for &word in self.row(row) {
+                let (mut word, mut bits) = (word, left.min(64));
+                left -= bits;
+                while bits > 0 {
+                    // How many of the next cells are like those of the current run.
+                    let others = if present { !word } else { word };
+                    let alike = others.trailing_zeros().min(bits);
+                    length += alike;
+                    bits -= alike;
+                    if bits > 0 {
+                        runs.push(length);
+                        (present, length) = (!present, 0);
+                        word >>= alike;
+                    }
                 }
-                length += 1;
             }
         }
         runs

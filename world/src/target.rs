@@ -164,7 +164,8 @@ impl Traffic {
         if placed == model.count {
             return Ok(traffic);
         }
-        let road_m = roads.length_m();
+        // Without roads the sum is -0, which nobody wants to read.
+        let road_m = roads.length_m() + 0.0;
         Err(PlacementError { placed, count: model.count, road_m, separation_m, roads_mapped })
     }
 

@@ -14,6 +14,8 @@ use crate::truth::Monitor;
 use crate::uav::{Quadcopter, Vehicle, YawCommand};
 
 mod check;
+#[cfg(test)]
+mod tests;
 
 use check::{lowest_altitude_m, mistakes};
 
@@ -45,6 +47,16 @@ impl Default for WorldConfig {
             fleet: FleetModel::default(),
             camera: CameraModel::default(),
             period_s: 0.5,
+        }
+    }
+}
+
+impl WorldConfig {
+    /// What the cars and the UAVs demand of the town.
+    pub fn map_rules(&self) -> MapRules {
+        MapRules {
+            lowest_altitude_m: lowest_altitude_m(&self.fleet),
+            road_clearance_m: road_clearance_m(&self.targets),
         }
     }
 }
@@ -117,20 +129,41 @@ impl World {
     /// # Errors
     /// Every mistake at once; placement is tried only when all else is right.
     pub fn new(config: &WorldConfig, seed: u64) -> Result<Self, WorldErrors> {
+        Self::in_town(config, map::load(&config.map, &config.map_rules(), seed), seed)
+    }
+
+    /// As [`Self::new`], with the town of this GeoJSON text: `map.file` only names it and is not
+    /// read.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn from_geojson(config: &WorldConfig, text: &str, seed: u64) -> Result<Self, WorldErrors> {
+        Self::in_town(config, map::from_geojson(&config.map, text, &config.map_rules()), seed)
+    }
+
+    /// As [`Self::new`], in a town that was made elsewhere.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn from_map(config: &WorldConfig, map: Map, seed: u64) -> Result<Self, WorldErrors> {
+        Self::in_town(config, Ok(map), seed)
+    }
+
+    fn in_town(
+        config: &WorldConfig,
+        map: Result<Map, Vec<MapError>>,
+        seed: u64,
+    ) -> Result<Self, WorldErrors> {
         let mut errors = mistakes(config);
-        let clearance_m = road_clearance_m(&config.targets);
-        let rules = MapRules {
-            lowest_altitude_m: lowest_altitude_m(&config.fleet),
-            road_clearance_m: clearance_m,
+        let map = match map {
+            Ok(map) if errors.is_empty() => map,
+            Ok(_) => return Err(WorldErrors(errors)),
+            Err(more) => {
+                errors.extend(more.into_iter().map(WorldError::Map));
+                return Err(WorldErrors(errors));
+            }
         };
-        let map = map::load(&config.map, &rules, seed).unwrap_or_else(|e| {
-            errors.extend(e.into_iter().map(WorldError::Map));
-            let ground = Ground { size_m: config.map.size_m };
-            Map { ground, obstacles: vec![], roads: vec![], attribution: None, warnings: vec![] }
-        });
-        if !errors.is_empty() {
-            return Err(WorldErrors(errors));
-        }
+        let clearance_m = road_clearance_m(&config.targets);
         let walls = Walls::new(&map.obstacles);
         let rules = RoadRules { inset_m: ROAD_INSET_M, clearance_m, min_network_m: MIN_NETWORK_M };
         let roads = RoadGraph::build(&map.ground, &map.roads, &walls, &rules);
@@ -224,74 +257,5 @@ impl World {
     pub fn monitor(&self) -> Monitor {
         let WorldConfig { targets, period_s, .. } = self.config;
         Monitor::new(self.map.ground, targets, period_s, &self.map.obstacles)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::Entity;
-    use csat_proto::ids::TargetId;
-
-    #[test]
-    fn the_scene_holds_obstacles_then_targets() {
-        let world = World::new(&WorldConfig::default(), 1).unwrap();
-        let scene = world.scene();
-        let obstacles = world.obstacles().len();
-        assert_eq!(scene.prisms.len(), obstacles + 8);
-        for (i, prism) in scene.prisms[..obstacles].iter().enumerate() {
-            assert_eq!(prism.entity, Entity::Obstacle(i as u32));
-            assert_eq!(prism.height_m, world.obstacles()[i].height_m);
-        }
-        for (j, prism) in scene.prisms[obstacles..].iter().enumerate() {
-            assert_eq!(prism.entity, Entity::Target(TargetId(j as u16)));
-        }
-    }
-
-    #[test]
-    fn commands_steer_and_wrong_ones_change_nothing() {
-        let mut world = World::new(&WorldConfig::default(), 1).unwrap();
-        assert!(world.command(AgentId(1), YawCommand { yaw_rad: 1.0 }).is_ok());
-        assert!(world.command(AgentId(2), YawCommand { yaw_rad: f64::NAN }).is_err());
-        let error = world.command(AgentId(4), YawCommand { yaw_rad: 1.0 }).unwrap_err();
-        assert_eq!((error.agent, error.count), (AgentId(4), 4));
-        for _ in 0..20 {
-            world.advance();
-        }
-        let yaws: Vec<f64> = world.poses().iter().map(|p| p.yaw_rad).collect();
-        assert!((yaws[1] - 1.0).abs() < 1e-3);
-        assert_eq!([yaws[0], yaws[2], yaws[3]], [0.0; 3]);
-        assert_eq!(world.step(), Step(20));
-        let altitudes: Vec<f64> = world.poses().iter().map(|p| p.p_world[2]).collect();
-        assert_eq!(altitudes, [52.0, 55.0, 58.0, 61.0]);
-    }
-
-    #[test]
-    fn every_mistake_is_reported_at_once() {
-        let mut config = WorldConfig { period_s: 0.0, ..WorldConfig::default() };
-        config.map.built_share = -1.0;
-        config.targets.v_max_m_s = f64::NAN;
-        config.targets.radius_m = 2.0;
-        config.fleet.yaw_settling_s = -1.0;
-        let errors = World::new(&config, 1).unwrap_err();
-        let text = errors.to_string();
-        let keys = [
-            "targets.v_max_m_s",
-            "run.period_s",
-            "agents.yaw_settling_s",
-            "targets.radius_m",
-            "map.built_share",
-        ];
-        assert_eq!(text.lines().count(), keys.len(), "{text}");
-        assert!(keys.iter().zip(text.lines()).all(|(key, line)| line.starts_with(key)), "{text}");
-    }
-
-    #[test]
-    fn no_room_is_an_error_that_says_what_to_change() {
-        let mut config = WorldConfig::default();
-        config.map.size_m = [60.0, 60.0];
-        config.targets.count = 500;
-        let errors = World::new(&config, 1).unwrap_err();
-        assert!(matches!(errors.0[..], [WorldError::Placement(_)]), "{errors}");
     }
 }

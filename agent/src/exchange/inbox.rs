@@ -53,6 +53,10 @@ impl Inbox {
         if envelope.incarnation < known {
             return Err(Rejection::Incarnation { got: envelope.incarnation.0, known: known.0 });
         }
+        let max = self.capacity();
+        if self.facts.len() + self.snapshots.len() >= max {
+            return Err(Rejection::Full { max });
+        }
         self.incarnations.insert(envelope.src, envelope.incarnation);
         let from = envelope.src;
         Ok(match message {
@@ -68,6 +72,14 @@ impl Inbox {
             }
             Message::Plan(plan) => Received::Plan(from, plan),
         })
+    }
+
+    /// As many messages as the fleet can have sent within the accepted age: a fact and a snapshot
+    /// per neighbour and step.
+    fn capacity(&self) -> usize {
+        let AgentConfig { exchange, period_s, fleet, .. } = &self.config;
+        let steps = (exchange.max_age_s / period_s).ceil().max(1.0) as usize + 1;
+        2 * steps * usize::from(fleet.count)
     }
 
     /// Whether anything waits that can be applied at `now`.

@@ -90,6 +90,12 @@ pub enum Rejection {
         /// Number of cells.
         cells: usize,
     },
+    /// More messages wait than a fleet can have sent within `max_age_s`.
+    #[error("{max} messages wait already")]
+    Full {
+        /// The limit.
+        max: usize,
+    },
     /// A flight plan that cannot be.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -114,6 +120,7 @@ impl Rejection {
             Self::Targets => "targets",
             Self::Grid => "grid",
             Self::Cell { .. } => "cell",
+            Self::Full { .. } => "full",
             Self::Plan(_) => "plan",
         }
     }

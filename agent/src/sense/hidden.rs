@@ -30,6 +30,9 @@ pub fn empty_cells(view: &CameraView, frame: &Frame, grid: Grid) -> Vec<OemDelta
 }
 
 /// Calls `visit` with every cell whose centre projects into the image, within d_max.
+///
+/// Along a row the centres move by a constant in the camera's frame, so a cell costs one step of
+/// that and one division instead of a change of frames.
 fn for_each_visible_cell(
     view: &CameraView,
     frame: &Frame,
@@ -38,16 +41,18 @@ fn for_each_visible_cell(
 ) {
     let model = view.model();
     let (width, height) = (f64::from(model.columns), f64::from(model.rows));
-    let centre = view.centre_world();
+    let reach_squared = model.d_max_m * model.d_max_m;
+    let camera_step = view.world_from_camera().row(0).transpose() * grid.cell_m;
     let Some((rows, columns)) = footprint_cells(view, &grid) else { return };
     for row in rows {
-        let y = grid.centre(0, row)[1];
+        let [x, y] = grid.centre(columns.start, row);
+        let first = view.to_camera(&Vector3::new(x, y, 0.0));
         for column in columns.clone() {
-            let p = Vector3::new(grid.centre(column, row)[0], y, 0.0);
-            if (p - centre).norm_squared() > model.d_max_m * model.d_max_m {
+            let p_camera = first + camera_step * f64::from(column - columns.start);
+            if p_camera.z <= 1e-9 || p_camera.norm_squared() > reach_squared {
                 continue;
             }
-            let Some([c, r]) = view.project(&p) else { continue };
+            let [c, r] = view.project_camera(&p_camera);
             if c >= 0.0 && r >= 0.0 && c < width && r < height {
                 let index = r as usize * usize::from(model.columns) + c as usize;
                 visit(column, row, frame.labels[index]);

@@ -97,12 +97,15 @@ impl MarginSensor {
     /// empty or its cell was served as well before.
     fn margin_of(&mut self, view: &CameraView, pixel: &Pixel) -> Option<Ring> {
         let Pixel { column, row, depth_m: [near, far], ray } = *pixel;
+        let half_span_m = (far - near) / 2.0 * (ray.x * ray.x + ray.y * ray.y).sqrt();
+        let grade = (1.0 - half_span_m / self.radius_m) * GRADES;
+        if grade < LEAST_GRADE {
+            return None;
+        }
         let centre = view.centre_world() + ray * ((near + far) / 2.0);
         let (c, r) = self.grid.cell_of([centre.x, centre.y])?;
         let best = &mut self.best_grade[self.grid.index(c, r)];
-        let half_span_m = (far - near) / 2.0 * (ray.x * ray.x + ray.y * ray.y).sqrt();
-        let grade = (1.0 - half_span_m / self.radius_m) * GRADES;
-        if grade < LEAST_GRADE.max(f64::from(*best) + 1.0) {
+        if grade < f64::from(*best) + 1.0 {
             return None;
         }
         *best = grade as u8;

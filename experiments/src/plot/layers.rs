@@ -16,6 +16,8 @@ pub const OEM: &str = "#B2182B";
 pub const HIDDEN: &str = "#1F5FBF";
 /// Buildings, in the legend.
 pub const BUILDING: &str = "#8E8E8E";
+/// What footprints are clipped to.
+pub const NEAR_REGION: &str = "near-region";
 /// Roads.
 pub const ROAD: &str = "#E3E3E0";
 
@@ -179,6 +181,7 @@ pub fn uavs(panel: &Panel, view: &View) -> Group {
                 panel
                     .area_of([&uav.footprint])
                     .set("class", "footprint")
+                    .set("clip-path", format!("url(#{NEAR_REGION})"))
                     .set("fill", colour)
                     .set("fill-opacity", 0.07)
                     .set("stroke", colour)

@@ -39,7 +39,7 @@ pub fn map_svg(view: &View) -> String {
         .set("height", round(height))
         .set("font-family", "Helvetica, Arial, 'DejaVu Sans', sans-serif")
         .add(svg::node::element::Title::new(title(view)))
-        .add(definitions(&[&main, &hidden, &oem]))
+        .add(definitions(&[&main, &hidden, &oem]).add(near_region(&main, view.size_m)))
         .add(background)
         .add(header(view, &hidden, &oem))
         .add(clipped(0, main_layers(&main, view, knowledge)))
@@ -159,6 +159,20 @@ fn definitions(panels: &[&Panel]) -> Definitions {
     })
 }
 
+/// Footprints reach far beyond the region; this much of them tells enough.
+fn near_region(panel: &Panel, size_m: [f64; 2]) -> ClipPath {
+    let margin_m = 0.02 * size_m[0].max(size_m[1]);
+    let half = size_m.map(|s| s / 2.0 + margin_m);
+    let ([left, top], [right, bottom]) =
+        (panel.pixel([-half[0], half[1]]), panel.pixel([half[0], -half[1]]));
+    let area = Rectangle::new()
+        .set("x", round(left))
+        .set("y", round(top))
+        .set("width", round(right - left))
+        .set("height", round(bottom - top));
+    ClipPath::new().set("id", layers::NEAR_REGION).add(area)
+}
+
 /// Scale bar and north.
 fn decorations(panel: &Panel, size_m: [f64; 2]) -> Group {
     // About a fifth of the panel, in 1, 2 or 5 times a power of ten.
@@ -167,9 +181,9 @@ fn decorations(panel: &Panel, size_m: [f64; 2]) -> Group {
     let length_m =
         [5.0, 2.0, 1.0].iter().map(|f| f * power).find(|l| *l <= wanted).unwrap_or(power);
     let length = length_m * panel.scale;
-    // Below the region's own corner, whether or not the panel has much margin.
-    let [left, south] = panel.pixel([-size_m[0] / 2.0, -size_m[1] / 2.0]);
-    let bottom = (south + 22.0).max(panel.y + panel.height - 6.0);
+    // Below the panel, where nothing else is drawn.
+    let [left, _] = panel.pixel([-size_m[0] / 2.0, 0.0]);
+    let bottom = panel.y + panel.height + 16.0;
     let bar = Rectangle::new()
         .set("class", "scale-bar")
         .set("x", round(left))

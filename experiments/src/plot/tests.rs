@@ -205,6 +205,9 @@ fn the_map_shows_every_layer() {
     ] {
         assert!(svg.contains(&format!("class=\"{class}\"")), "{class}");
     }
+    let clipped = "clip-path=\"url(#near-region)\"";
+    assert_eq!(svg.matches(clipped).count(), 4, "footprints stay near the region");
+    assert!(svg.contains("<clipPath id=\"near-region\">"));
     assert!(svg.contains("city, seed 1, t = 300 s"));
     assert!(svg.contains("4 of 6 cars identified"));
     assert!(svg.contains("© OpenStreetMap contributors"));

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use csat_world::map::MapKind;
+
 use super::mistake::{Mistake, did_you_mean};
 use super::source::{Site, Sources};
 use super::{Scenario, quoted_list, shipped, tree};
@@ -13,6 +15,8 @@ pub struct MapText {
     pub name: String,
     /// GeoJSON.
     pub text: String,
+    /// Whether it comes from inside the program.
+    pub is_shipped: bool,
 }
 
 /// Reads the map of the scenario, and makes `map.file` mean the same from any folder: an absolute
@@ -25,6 +29,9 @@ pub fn resolve(
 ) -> Option<MapText> {
     let file = scenario.map.file.clone()?.to_string_lossy().into_owned();
     let site = tree::exact(tree, "map.file")?.value.clone();
+    if !is_generated_on_purpose(&site, sources, tree) {
+        scenario.map.kind = MapKind::GeoJson;
+    }
     match find(&file, &site, sources) {
         Ok((path, map)) => {
             scenario.map.file = Some(path);
@@ -37,16 +44,26 @@ pub fn resolve(
     }
 }
 
+/// Whoever names a file wants the town in it, whatever the kind was before; unless they ask for a
+/// generated town in the same breath (or later), which is a contradiction for others to report.
+fn is_generated_on_purpose(file: &Site, sources: &Sources, tree: &tree::Table) -> bool {
+    let Some(kind) = tree::exact(tree, "map.kind") else { return false };
+    let is_argument = |site: &Site| !sources.get(site.source).is_file;
+    kind.to_value().as_str() == Some("generated")
+        && (kind.value.source >= file.source || is_argument(&kind.value) && is_argument(file))
+}
+
 fn find(file: &str, site: &Site, sources: &Sources) -> Result<(PathBuf, MapText), Mistake> {
     if let Some(name) = file.strip_prefix(shipped::PREFIX) {
         return shipped_map(name).ok_or_else(|| no_such(name));
     }
     let Some(folder) = &sources.get(site.source).folder else { return Err(no_such(file)) };
-    let path = folder.join(file);
+    // `./x` is not what anybody wrote.
+    let path = if folder.as_os_str() == "." { PathBuf::from(file) } else { folder.join(file) };
     match std::fs::read_to_string(&path) {
         Ok(text) => {
             let absolute = path.canonicalize().unwrap_or_else(|_| path.clone());
-            Ok((absolute, MapText { name: file.to_owned(), text }))
+            Ok((absolute, MapText { name: file.to_owned(), text, is_shipped: false }))
         }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             let is_name = Path::new(file).file_name().is_some_and(|name| name == file);
@@ -54,7 +71,8 @@ fn find(file: &str, site: &Site, sources: &Sources) -> Result<(PathBuf, MapText)
             found.ok_or_else(|| no_such(&path.to_string_lossy()))
         }
         Err(error) => {
-            Err(Mistake::new(format!("cannot read the map `{}`: {error}", path.display())))
+            let text = format!("cannot read the map `{}`: {error}", path.display());
+            Err(Mistake::new(text).expected("a GeoJSON file"))
         }
     }
 }
@@ -62,7 +80,7 @@ fn find(file: &str, site: &Site, sources: &Sources) -> Result<(PathBuf, MapText)
 fn shipped_map(name: &str) -> Option<(PathBuf, MapText)> {
     let text = shipped::map(name)?.to_owned();
     let path = PathBuf::from(format!("{}{name}", shipped::PREFIX));
-    Some((path, MapText { name: name.to_owned(), text }))
+    Some((path, MapText { name: name.to_owned(), text, is_shipped: true }))
 }
 
 fn no_such(name: &str) -> Mistake {

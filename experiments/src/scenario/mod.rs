@@ -21,7 +21,7 @@ use csat_agent::config::{EstimatorConfig, ExchangeConfig, GuidanceConfig};
 use csat_netem::config::NetemConfig;
 use csat_proto::camera::CameraModel;
 use csat_proto::model::{FleetModel, Ground, TargetsModel};
-use csat_world::map::MapConfig;
+use csat_world::map::{MapConfig, MapWarning};
 use csat_world::world::World;
 use serde::{Deserialize, Serialize};
 
@@ -193,7 +193,11 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
     match world {
         Some(world) if mistakes.is_empty() => {
             let name = stem(name);
-            warnings.extend(world.warnings().iter().map(|w| Mistake::new(w.to_string())));
+            // A shipped map is larger than the region on purpose.
+            let is_shipped = map.as_ref().is_some_and(|map| map.is_shipped);
+            let told = |w: &&MapWarning| !(is_shipped && matches!(w, MapWarning::Outside { .. }));
+            let map_warnings = world.warnings().iter().filter(told);
+            warnings.extend(map_warnings.map(|w| Mistake::new(w.to_string())));
             Ok(Loaded { name, scenario, map, world, warnings, sources, tree })
         }
         _ => Err(Mistakes(mistakes)),
@@ -229,7 +233,10 @@ fn open(name: &str) -> Result<Source, Mistake> {
                 None => mistake,
             })
         }
-        Err(error) => Err(Mistake::new(format!("cannot read the scenario `{name}`: {error}"))),
+        Err(error) => {
+            let text = format!("cannot read the scenario `{name}`: {error}");
+            Err(Mistake::new(text).expected("a TOML file"))
+        }
     }
 }
 

@@ -132,6 +132,22 @@ pub fn load(config: &MapConfig, rules: &MapRules, seed: u64) -> Result<Map, Vec<
     }
 }
 
+/// Reads the town from GeoJSON text, whatever file `config` names.
+///
+/// # Errors
+/// Every mistake at once.
+pub fn from_geojson(
+    config: &MapConfig,
+    text: &str,
+    rules: &MapRules,
+) -> Result<Map, Vec<MapError>> {
+    let errors = mistakes(config, rules);
+    if !errors.is_empty() {
+        return Err(errors);
+    }
+    geojson::import(text, Ground { size_m: config.size_m }, rules)
+}
+
 /// The mistakes that show before any file is read.
 fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
     let mut errors = Vec::new();
@@ -156,7 +172,8 @@ fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
             expect(config.file.is_some(), "map.file", got, "a GeoJSON file".into());
         }
         MapKind::Generated => {
-            let got = format!("{:?} with kind = \"generated\"", config.file);
+            let file = config.file.as_deref().unwrap_or(std::path::Path::new(""));
+            let got = format!("`{}` with kind = \"generated\"", file.display());
             expect(config.file.is_none(), "map.file", got, "kind = \"geojson\" or no file".into());
             let share_ok = (0.0..1.0).contains(&config.built_share);
             let got = config.built_share.to_string();
