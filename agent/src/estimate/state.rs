@@ -66,8 +66,8 @@ impl Knowledge {
     pub(super) fn learn_margin<'a>(&mut self, parts: impl IntoIterator<Item = &'a Inner>) {
         let new: Vec<&Inner> = parts.into_iter().filter(|part| !part.is_empty()).collect();
         if !new.is_empty() {
-            let margin = Inner::union(std::iter::once(&self.margin).chain(new));
-            self.margin = margin.simplified(self.simplify_margin_m);
+            let margin = std::mem::take(&mut self.margin);
+            self.margin = margin.absorbing(&new, self.simplify_margin_m);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Inner approximations.
 
-use csat_proto::region::{Region, Ring};
+use csat_proto::region::{GridBox, Region, Ring, Shape};
 
 use super::boolean::shallow_groups;
 use super::simplify::{Kind, simplify_region};
@@ -46,6 +46,25 @@ impl Inner {
             let clip = group.into_iter().flat_map(Region::rings);
             Inner(overlay(sum.0.rings(), clip, RULE::Union))
         })
+    }
+
+    /// self ∪ `parts`, simplified by at most `tolerance_m` where something was added. Shapes that no
+    /// part comes near stay as they are, at no cost.
+    pub fn absorbing(self, parts: &[&Inner], tolerance_m: f64) -> Inner {
+        let added: Vec<GridBox> = parts
+            .iter()
+            .flat_map(|part| part.0.shapes())
+            .filter_map(|shape| GridBox::around(&shape[0]))
+            .collect();
+        let near = |shape: &Shape| {
+            GridBox::around(&shape[0]).is_some_and(|b| added.iter().any(|part| part.meets(&b)))
+        };
+        let (touched, mut shapes): (Vec<Shape>, Vec<Shape>) =
+            self.0.into_shapes().into_iter().partition(near);
+        let touched = Inner(Region::from_shapes(touched));
+        let union = Inner::union(std::iter::once(&touched).chain(parts.iter().copied()));
+        shapes.extend(union.simplified(tolerance_m).into_region().into_shapes());
+        Inner(Region::from_shapes(shapes))
     }
 
     /// self ⊖ disc.

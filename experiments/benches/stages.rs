@@ -1,0 +1,99 @@
+//! How long each stage of an agent-step takes, on moments recorded in the middle of a mission, and a
+//! short mission as a whole. `docs/performance.md` says how to run this and what came out.
+
+#[path = "recorded/mod.rs"]
+mod recorded;
+
+use std::time::Duration;
+
+use criterion::measurement::WallTime;
+use criterion::{BatchSize, BenchmarkGroup, Criterion};
+use csat_agent::config::Criterion as Cost;
+use csat_agent::estimate::fuse::Fuser;
+use csat_agent::estimate::predict::Predictor;
+use csat_agent::exchange::inbox::Inbox;
+use csat_world::camera::Renderer;
+use recorded::Moment;
+
+/// The length of the whole mission, seconds.
+const MISSION_S: u32 = 30;
+
+fn main() {
+    let mut criterion = Criterion::default()
+        .warm_up_time(Duration::from_secs(1))
+        .measurement_time(Duration::from_secs(3))
+        .sample_size(50)
+        .configure_from_args();
+    for (name, moment) in ["60s", "150s"].into_iter().zip(recorded::moments(&[60.0, 150.0])) {
+        let mut group = criterion.benchmark_group(name);
+        world_and_own_frame(&mut group, &moment);
+        messages_and_fusion(&mut group, &moment);
+        guidance(&mut group, &moment);
+        group.finish();
+    }
+    whole_mission(&mut criterion);
+    criterion.final_summary();
+}
+
+fn world_and_own_frame(group: &mut BenchmarkGroup<'_, WallTime>, moment: &Moment) {
+    let Moment { config, frame, measured, .. } = moment;
+    let mut renderer = Renderer::new(config.camera);
+    group.bench_function("render", |b| b.iter(|| recorded::stage_render(&mut renderer, moment)));
+    group.bench_function("sense", |b| {
+        let sensor = || moment.sensor.clone();
+        b.iter_batched_ref(sensor, |s| recorded::stage_sense(s, frame), BatchSize::LargeInput);
+    });
+    let predictor = Predictor::new(config);
+    group.bench_function("estimate", |b| {
+        let work = |k: &mut _| recorded::stage_estimate(&predictor, k, frame, measured);
+        b.iter_batched_ref(|| moment.before.clone(), work, BatchSize::LargeInput);
+    });
+}
+
+fn messages_and_fusion(group: &mut BenchmarkGroup<'_, WallTime>, moment: &Moment) {
+    let Moment { config, corrected, .. } = moment;
+    group.bench_function("say", |b| {
+        let outbox = || recorded::outbox(config);
+        b.iter_batched_ref(outbox, |o| recorded::stage_say(o, moment), BatchSize::LargeInput);
+    });
+    group.bench_function("hear", |b| {
+        let inbox = || Inbox::new(config);
+        b.iter_batched_ref(inbox, |i| recorded::stage_hear(i, moment), BatchSize::LargeInput);
+    });
+    let fuser = Fuser::new(config);
+    group.bench_function("fuse", |b| {
+        let work = |k: &mut _| recorded::stage_fuse(&fuser, k, &moment.facts);
+        b.iter_batched_ref(|| corrected.clone(), work, BatchSize::LargeInput);
+    });
+    group.bench_function("fuse-snapshots", |b| {
+        let work = |k: &mut _| recorded::stage_fuse_snapshots(&fuser, k, &moment.snapshots);
+        b.iter_batched_ref(|| corrected.clone(), work, BatchSize::LargeInput);
+    });
+}
+
+fn guidance(group: &mut BenchmarkGroup<'_, WallTime>, moment: &Moment) {
+    let planner = |cost| recorded::planner(&moment.config, cost);
+    let mut str1 = planner(Cost::Str1);
+    group.bench_function("guidance-str1", |b| {
+        b.iter(|| recorded::stage_guidance_str1(&mut str1, moment));
+    });
+    let mut str2 = planner(Cost::Str2);
+    group.bench_function("guidance-str2", |b| {
+        b.iter(|| recorded::stage_guidance_str2(&mut str2, moment));
+    });
+    let mut str3 = planner(Cost::Str3);
+    group.bench_function("guidance-str3", |b| {
+        b.iter(|| recorded::stage_guidance_str3(&mut str3, moment));
+    });
+}
+
+fn whole_mission(criterion: &mut Criterion) {
+    let runs = tempfile::tempdir().expect("a folder for the runs");
+    let mut group = criterion.benchmark_group("mission");
+    group.sample_size(10);
+    group.bench_function(format!("{MISSION_S}s"), |b| {
+        let ready = || recorded::about_to_fly(MISSION_S, runs.path());
+        b.iter_batched(ready, recorded::whole_mission, BatchSize::PerIteration);
+    });
+    group.finish();
+}
