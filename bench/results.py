@@ -53,9 +53,9 @@ def spread(values):
 def main():
     csat, folder = sys.argv[1:3]
     os.makedirs(folder, exist_ok=True)
-    jobs = [("city", c, k, s) for c, k in CRITERIA for s in range(1, 11)]
-    jobs += [("city", "str3", 1, s) for s in range(11, 21)]
+    jobs = [("city", "str3", 1, s) for s in range(1, 21)]
     jobs += [(h, "str3", 1, s) for h in ("helsinki-05", "helsinki-17") for s in range(1, 11)]
+    jobs += [("city", c, k, s) for c, k in reversed(CRITERIA[:-1]) for s in range(1, 11)]
     with ThreadPoolExecutor(int(sys.argv[3]) if len(sys.argv) > 3 else os.cpu_count()) as pool:
         runs = dict(pool.map(lambda job: fly(csat, folder, job), jobs))
 

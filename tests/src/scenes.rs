@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use csat_agent::config::{AgentConfig, EstimatorConfig, ExchangeConfig, GuidanceConfig};
 use csat_proto::camera::{Assumption, CameraModel, Pose};
-use csat_proto::frame::Frame;
+use csat_proto::frame::{Frame, Label};
 use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
 use csat_proto::model::{FleetModel, Ground, TargetsModel};
 use csat_proto::time::Step;
@@ -71,6 +71,12 @@ impl Case {
     pub fn distance_to_obstacles_m(&self, p: Point) -> f64 {
         self.obstacles().map(|rings| distance_to_rings_m(rings, p)).fold(f64::INFINITY, f64::min)
     }
+}
+
+/// A frame that shows nothing: an agent that gets it only predicts.
+pub fn blind(camera: &CameraModel, step: Step, pose: Pose) -> Frame {
+    let (labels, depth) = (vec![Label::Unknown; camera.pixels()], vec![0; camera.pixels()]);
+    Frame { step, pose, labels, depth, detections: Vec::new() }
 }
 
 fn config(rng: &mut ChaCha8Rng) -> AgentConfig {
@@ -167,8 +173,7 @@ fn targets(rng: &mut ChaCha8Rng, config: &AgentConfig, prisms: &[Prism]) -> Vec<
             let distance = distance_to_rings_m(&o.rings, location);
             distance > obstacle_distance_m
         });
-        let apart =
-            targets.iter().all(|t| distance_m(t.location, location) > target_distance_m);
+        let apart = targets.iter().all(|t| distance_m(t.location, location) > target_distance_m);
         if clear && apart && config.ground.contains(location) {
             let (id, heading_rad) = (TargetId(targets.len() as u16), rng.random_range(0.0..TAU));
             targets.push(TargetTruth { id, location, heading_rad, speed_m_s: 0.0 });
@@ -198,9 +203,7 @@ fn anchor(
             let t = if rng.random_bool(0.4) { 0.0 } else { rng.random_range(0.0..1.0) };
             Anchor::Wall([a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])])
         }
-        5..8 if !targets.is_empty() => {
-            Anchor::Target(targets.choose(rng).expect("some").location)
-        }
+        5..8 if !targets.is_empty() => Anchor::Target(targets.choose(rng).expect("some").location),
         _ => Anchor::Anywhere(ground.size_m.map(|size| rng.random_range(-0.5..0.5) * size)),
     }
 }
@@ -213,8 +216,7 @@ fn pose(
     prisms: &[Prism],
     targets: &[TargetTruth],
 ) -> Pose {
-    let anywhere =
-        config.ground.size_m.map(|size| rng.random_range(-0.5..0.5) * (size + 60.0));
+    let anywhere = config.ground.size_m.map(|size| rng.random_range(-0.5..0.5) * (size + 60.0));
     let corner = prisms.choose(rng).map(|prism| prism.rings[0][0]);
     let target = targets.choose(rng).map(|target| target.location);
     let looked_at = if rng.random_bool(0.7) { target.or(corner) } else { corner.or(target) };

@@ -53,8 +53,8 @@ impl Inbox {
         if envelope.incarnation < known {
             return Err(Rejection::Incarnation { got: envelope.incarnation.0, known: known.0 });
         }
-        let max = self.capacity();
-        if self.facts.len() + self.snapshots.len() >= max {
+        let (max, waiting) = (self.capacity(), self.facts.len() + self.snapshots.len());
+        if waiting >= max && !matches!(message, Message::Plan(_)) {
             return Err(Rejection::Full { max });
         }
         self.incarnations.insert(envelope.src, envelope.incarnation);

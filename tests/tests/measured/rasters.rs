@@ -43,12 +43,27 @@ fn is_visible(oracle: &Oracle, view: &CameraView, p: Point) -> bool {
     matches!(oracle.cast(view.centre_world(), ray), Some((Hit::Ground, _)))
 }
 
+/// Whether d_max cuts the footprint: its polygon then ends at a chord, and what is beyond that is
+/// not classified. A known looseness of what carries no guarantee.
+fn reaches_d_max(case: &Case) -> bool {
+    let model = &case.config.camera;
+    let camera = Pinhole::new(model, &case.pose);
+    let [w, h] = [model.columns, model.rows].map(f64::from);
+    let within = |q| {
+        let p = camera.ground(q).map(|[x, y]| Vector3::new(x, y, 0.0));
+        p.is_some_and(|p| (p - Vector3::from(case.pose.p_world)).norm() < model.d_max_m)
+    };
+    ![[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].into_iter().all(within)
+}
+
 #[derive(Debug, Default)]
 struct Count {
     seen: u32,
     hidden: u32,
     needlessly: u32,
     beyond: u32,
+    /// Farther than the chord that stands for the arc of d_max: neither, though in view.
+    past_chord: u32,
 }
 
 fn check(case: &Case, hidden: &Raster, seen: &Raster, count: &mut Count) {
@@ -71,6 +86,7 @@ fn check(case: &Case, hidden: &Raster, seen: &Raster, count: &mut Count) {
                 count.hidden += 1;
                 count.needlessly += u32::from(is_visible(&oracle, &view, p));
             }
+            (Cell::Within, (false, false)) if reaches_d_max(case) => count.past_chord += 1,
             (Cell::Within, said) => panic!("{p:?} is in view but {said:?}\n{case:?}"),
         }
     }
@@ -86,7 +102,8 @@ fn every_cell_in_view_is_either_seen_or_hidden() {
         check(&case, &measured.hidden, &measured.seen, &mut count);
     });
     println!("{count:?}");
-    assert!(is_replay() || (count.seen > 50_000 && count.hidden > 20_000), "{count:?}");
+    let enough = count.seen > 50_000 && count.hidden > 20_000 && count.past_chord < 8000;
+    assert!(is_replay() || enough, "{count:?}");
 }
 
 #[test]

@@ -81,8 +81,8 @@ fn distance_to_lit_m(corners: &[Point], p: Point) -> f64 {
 fn row_slack_m(pixels: &[(u16, u16, [f64; 2])]) -> f64 {
     let spread = |row: u16, end: usize| {
         let depths = pixels.iter().filter(|p| p.1 == row).map(|p| p.2[end]);
-        let [low, high] = depths
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], d| [l.min(d), h.max(d)]);
+        let [low, high] =
+            depths.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], d| [l.min(d), h.max(d)]);
         high - low
     };
     pixels.iter().map(|p| spread(p.1, 0).max(spread(p.1, 1))).fold(0.0, f64::max)

@@ -1,0 +1,49 @@
+//! Same scenario and seed: same digest, whatever the number of threads and whoever watches.
+
+use csat_tests::missions::{Outcome, fly, small};
+use rayon::ThreadPoolBuilder;
+use tracing_subscriber::layer::SubscriberExt;
+
+const STEPS: u32 = 36;
+
+fn flown(seed: u64, threads: usize) -> Outcome {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| fly(&small(seed, 120.0, 4), STEPS))
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let one = flown(1, 1);
+    assert!(one.identified > 0 && one.unexplored_pct < 90.0, "something happens: {one:?}");
+    assert_eq!(one, flown(1, 1), "twice in a row");
+    assert_eq!(one, flown(1, 2));
+    assert_eq!(one, flown(1, 8));
+    one.check("seed 1");
+}
+
+#[test]
+fn another_seed_is_another_mission() {
+    let digests: Vec<u64> = (1..4).map(|seed| flown(seed, 2).digest).collect();
+    assert_ne!(digests[0], digests[1]);
+    assert_ne!(digests[1], digests[2]);
+}
+
+/// Agents have no clock: measuring them changes nothing.
+#[test]
+fn measuring_changes_nothing() {
+    // One thread, so that the subscriber of this thread sees every span.
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let scenario = small(2, 120.0, 3);
+    let measured = pool.install(|| {
+        let layer = csat_experiments::stages::StageLayer;
+        let subscriber = tracing_subscriber::registry().with(layer);
+        tracing::subscriber::with_default(subscriber, || {
+            let (_, times) = csat_experiments::stages::collect(|| {
+                tracing::info_span!("sense").in_scope(|| {});
+            });
+            assert!(times.sense.is_some(), "the layer is at work");
+            fly(&scenario, STEPS)
+        })
+    });
+    assert_eq!(measured, fly(&scenario, STEPS));
+}
