@@ -61,7 +61,7 @@ pub struct RunArguments {
     /// Which scenario.
     #[command(flatten)]
     pub scenario: ScenarioArguments,
-    /// The run folder, which must be new or empty [default: runs/<scenario>-seed<N>, numbered]
+    /// The run folder, which must be new or empty [default: runs/SCENARIO-seedN, numbered]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the summary as JSON on stdout, and nothing else there
