@@ -1,4 +1,14 @@
 //! What one UAV knows and does: the sans-I/O agent of the set-membership mission.
+//!
+//! | module | station |
+//! |---|---|
+//! | [`agent`] | the state machine: frames and messages in, messages and commands out |
+//! | [`config`] | everything it is told before the start |
+//! | [`region`] | outer and inner sets: the types that carry the guarantee |
+//! | [`sense`] | one frame to measured sets |
+//! | [`estimate`] | predict, correct, fuse |
+//! | [`exchange`] | what is said, and what of the others is believed |
+//! | [`guidance`] | where to fly next |
 
 pub mod agent;
 pub mod config;
