@@ -143,11 +143,6 @@ impl SetMembershipAgent {
         self.planner.predicted_hidden(&self.knowledge.oem, &self.pose)
     }
 
-    /// F(x^u) ∩ X_g at the pose of the last frame (3.24).
-    pub fn footprint(&self) -> Raster {
-        self.planner.footprint(&self.pose)
-    }
-
     fn fuse_what_is_due(&mut self) {
         let step = self.knowledge.step;
         if !self.inbox.has_due(step) {

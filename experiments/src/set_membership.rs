@@ -32,11 +32,6 @@ impl SetMembership {
             guidance: scenario.guidance.clone(),
             exchange: scenario.exchange,
         };
-        Self::of(config)
-    }
-
-    /// The mission of agents configured like this one, whatever its index.
-    pub fn of(config: AgentConfig) -> Self {
         Self { config }
     }
 }

@@ -27,14 +27,6 @@ impl Stopwatch {
     pub fn elapsed_s(&self) -> f64 {
         self.0.elapsed().as_secs_f64()
     }
-
-    /// Runs `work` and adds the milliseconds it took to `total_ms`.
-    pub fn add_to<T>(total_ms: &mut f64, work: impl FnOnce() -> T) -> T {
-        let watch = Self::start();
-        let result = work();
-        *total_ms += watch.elapsed_ms();
-        result
-    }
 }
 
 /// What the stages of one agent-step took, milliseconds. `None`: the stage did not run.

@@ -6,7 +6,7 @@ use csat_experiments::metrics::percent_of;
 use csat_experiments::plug::Mission;
 use csat_experiments::scenario::Scenario;
 use csat_experiments::set_membership::SetMembership;
-use csat_world::world::{World, WorldConfig, WorldErrors};
+use csat_world::world::{World, WorldErrors};
 
 /// A generated town of `side_m`, a small coarse camera, low UAVs.
 pub fn small(seed: u64, side_m: f64, uavs: u16) -> Scenario {
@@ -31,14 +31,7 @@ pub fn small(seed: u64, side_m: f64, uavs: u16) -> Scenario {
 /// # Errors
 /// When there is none.
 pub fn world_of(scenario: &Scenario) -> Result<World, WorldErrors> {
-    let config = WorldConfig {
-        map: scenario.map.clone(),
-        targets: scenario.targets,
-        fleet: scenario.agents,
-        camera: scenario.camera,
-        period_s: scenario.run.period_s,
-    };
-    World::new(&config, scenario.seed)
+    World::new(&scenario.world_config(), scenario.seed)
 }
 
 /// How a mission went.

@@ -22,7 +22,7 @@ use csat_netem::config::NetemConfig;
 use csat_proto::camera::CameraModel;
 use csat_proto::model::{FleetModel, Ground, TargetsModel};
 use csat_world::map::{MapConfig, MapWarning};
-use csat_world::world::World;
+use csat_world::world::{World, WorldConfig};
 use serde::{Deserialize, Serialize};
 
 pub use map_file::MapText;
@@ -97,6 +97,17 @@ impl Scenario {
     /// X_g.
     pub fn ground(&self) -> Ground {
         Ground { size_m: self.map.size_m }
+    }
+
+    /// What the world is made of.
+    pub fn world_config(&self) -> WorldConfig {
+        WorldConfig {
+            map: self.map.clone(),
+            targets: self.targets,
+            fleet: self.agents,
+            camera: self.camera,
+            period_s: self.run.period_s,
+        }
     }
 
     /// The scenario in full as TOML; loading it gives an equal scenario.

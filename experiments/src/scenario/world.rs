@@ -1,7 +1,7 @@
 //! The world of a scenario, and its mistakes as ours: a town, its roads, and room for the cars.
 
 use csat_world::map::MapError;
-use csat_world::world::{World, WorldConfig, WorldError};
+use csat_world::world::{World, WorldError};
 
 use super::map_file::MapText;
 use super::mistake::Mistake;
@@ -22,13 +22,7 @@ pub fn make(
     if scenario.map.file.is_some() && text.is_none() {
         return None;
     }
-    let config = WorldConfig {
-        map: scenario.map.clone(),
-        targets: scenario.targets,
-        fleet: scenario.agents,
-        camera: scenario.camera,
-        period_s: scenario.run.period_s,
-    };
+    let config = scenario.world_config();
     let result = match text {
         Some(map) => World::from_geojson(&config, &map.text, scenario.seed),
         None => World::new(&config, scenario.seed),
