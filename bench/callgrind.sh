@@ -20,8 +20,8 @@ calls="$(RAYON_NUM_THREADS=1 valgrind --tool=callgrind --toggle-collect='*stage_
 echo "| stage at $seconds s | million instructions |"
 echo "|---|---:|"
 callgrind_annotate --inclusive=yes --auto=no --threshold=100 "$out/counts" | awk -v calls="$calls" '
-    match($0, /recorded::stage_[a-z0-9_]+/) {
-        name = substr($0, RSTART + 16, RLENGTH - 16)
+    match($0, /recorded::stages::stage_[a-z0-9_]+/) {
+        name = substr($0, RSTART + 24, RLENGTH - 24)
         count = $1
         gsub(",", "", count)
         if (!(name in seen)) printf "| %s | %.2f |\n", name, count / calls / 1e6

@@ -1,9 +1,10 @@
 //! The sans-I/O agent of the set-membership mission: frames and messages in, messages and commands
 //! out.
 //!
-//! Within a step: the frame predicts and corrects at once and says what it proved; what others say
-//! waits until [`handle_timeout`](csat_proto::agent::Agent::handle_timeout), when it is fused in one
-//! go and, every T_MPC, guidance decides.
+//! Within a step: the frame is measured and what it proved is said at once; in
+//! [`handle_timeout`](csat_proto::agent::Agent::handle_timeout) it is applied together with all that
+//! others said, and, every T_MPC, guidance decides. Applied together and in one order, the same news
+//! make the same sets in every agent.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -12,22 +13,23 @@ use csat_proto::camera::Pose;
 use csat_proto::command::YawCommand;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, TargetId};
-use csat_proto::message::Plan;
+use csat_proto::message::{Digest, Plan};
 use csat_proto::raster::Raster;
 use csat_proto::time::{SimTime, Step};
 use serde::Serialize;
 use tracing::info_span;
 
 use crate::config::{AgentConfig, ExchangeMode};
-use crate::estimate::correct::correct;
-use crate::estimate::fuse::Fuser;
-use crate::estimate::predict::Predictor;
 use crate::estimate::state::Knowledge;
+use crate::estimate::{Changes, Estimator};
+use crate::exchange::held::Held;
 use crate::exchange::inbox::{Inbox, Received};
-use crate::exchange::outbox::Outbox;
+use crate::exchange::outbox::{Account, Outbox};
+use crate::exchange::repair::Repair;
 use crate::exchange::validate::Rejection;
 use crate::guidance::schedule::{Pass, Scheduler};
 use crate::guidance::{Picture, Planner};
+use crate::mutant::{Mutant, is_on};
 use crate::sense::{Measured, Sensor};
 
 /// What an agent reports to whoever observes it.
@@ -66,25 +68,34 @@ pub enum Event {
 pub struct SetMembershipAgent {
     config: AgentConfig,
     sensor: Sensor,
-    predictor: Predictor,
-    fuser: Fuser,
+    estimator: Estimator,
     planner: Planner,
     scheduler: Scheduler,
     knowledge: Knowledge,
+    /// Which facts the knowledge contains.
+    held: Held,
     inbox: Inbox,
     outbox: Outbox,
+    repair: Repair,
     pose: Pose,
     /// The heading last commanded, which the vehicle flies or turns to.
     commanded_yaw_rad: Option<f64>,
-    /// This step's own frame.
+    /// What the last frame proved.
     measured: Option<Measured>,
+    /// The step of that frame and whether it was told, until it is applied.
+    frame: Option<(Step, bool)>,
+    /// What was held before that frame, as the others were told.
+    digest: Digest,
     /// What each neighbour last reported as hidden, for `str2`.
     hidden_to: BTreeMap<AgentId, Raster>,
+    /// Where each neighbour last was heard from.
+    positions: BTreeMap<AgentId, [f64; 2]>,
     rejected: BTreeMap<&'static str, u64>,
     commands: VecDeque<YawCommand>,
     events: VecDeque<Event>,
     now: SimTime,
-    /// Something happened since the last [`Agent::handle_timeout`].
+    /// A frame or a plan came since the last [`Agent::handle_timeout`]. What others know can wait for
+    /// the next frame: applied one by one it would cost as much as everything at once.
     stirred: bool,
 }
 
@@ -93,17 +104,21 @@ impl SetMembershipAgent {
     pub fn new(config: &AgentConfig) -> Self {
         Self {
             sensor: Sensor::new(config),
-            predictor: Predictor::new(config),
-            fuser: Fuser::new(config),
+            estimator: Estimator::new(config),
             planner: Planner::new(config),
             scheduler: Scheduler::new(config),
             knowledge: Knowledge::at_start(config),
+            held: Held::new(config),
             inbox: Inbox::new(config),
             outbox: Outbox::new(config),
+            repair: Repair::new(config),
+            frame: None,
+            digest: Digest::default(),
             pose: Pose::default(),
             commanded_yaw_rad: None,
             measured: None,
             hidden_to: BTreeMap::new(),
+            positions: BTreeMap::new(),
             rejected: BTreeMap::new(),
             commands: VecDeque::new(),
             events: VecDeque::new(),
@@ -138,29 +153,64 @@ impl SetMembershipAgent {
         &self.rejected
     }
 
+    /// How many steps it did not tell of because nothing fitted its budget.
+    pub fn withheld(&self) -> u64 {
+        self.outbox.withheld()
+    }
+
     /// H^OEM(x^u) ∩ F(x^u) at the pose of the last frame, for (5.45).
     pub fn predicted_hidden(&mut self) -> Raster {
         self.planner.predicted_hidden(&self.knowledge.oem, &self.pose)
     }
 
-    fn fuse_what_is_due(&mut self) {
-        let step = self.knowledge.step;
-        if !self.inbox.has_due(step) {
-            return;
-        }
-        let fused = info_span!("fuse").in_scope(|| {
-            let (facts, snapshots) = self.inbox.take_due(step);
-            self.fuser.fuse(&mut self.knowledge, &facts, &snapshots)
-        });
-        self.report(&fused.identified, &fused.inconsistent, true);
+    /// The step of the last frame.
+    fn step(&self) -> Step {
+        self.frame.map_or(self.knowledge.step, |(step, _)| step)
     }
 
-    fn report(&mut self, identified: &[TargetId], inconsistent: &[TargetId], by_others: bool) {
+    /// Applies the own frame, if that is still to be done, and what was heard.
+    fn update(&mut self) {
+        let step = self.step();
+        let frame = self.frame.take();
+        if frame.is_none() && !self.inbox.has_due(step) {
+            return;
+        }
+        let heard = self.inbox.take_due(step);
+        if let Some((_, true)) = frame {
+            let number = self.outbox.facts_said() - 1;
+            self.held.apply(self.config.id, self.config.incarnation, number);
+        }
+        for h in &heard {
+            self.held.apply(h.src, h.incarnation, h.fact.number);
+            if h.known.is_some() || is_on(Mutant::ClaimsWhatOthersHold) {
+                self.held.adopt(&h.fact.held.facts);
+                self.repair.snapshot_heard(step);
+            }
+            self.repair.hear(step, h.src, &h.fact.held, &self.digest);
+        }
+        let own = self.measured.as_ref().filter(|_| frame.is_some()).map(|m| (step, m));
+        let changes = self.estimator.update(&mut self.knowledge, own, heard);
+        self.report(&changes);
+    }
+
+    fn report(&mut self, changes: &Changes) {
         let step = self.knowledge.step;
-        let identified =
-            identified.iter().map(|&target| Event::Identified { step, target, by_others });
-        let inconsistent = inconsistent.iter().map(|&target| Event::Inconsistent { step, target });
+        let own = self.measured.iter().flat_map(|m| &m.targets).map(|seen| seen.target);
+        let own: Vec<TargetId> = own.collect();
+        let identified = changes.identified.iter().map(|&target| Event::Identified {
+            step,
+            target,
+            by_others: !own.contains(&target),
+        });
+        let inconsistent =
+            changes.inconsistent.iter().map(|&target| Event::Inconsistent { step, target });
         self.events.extend(identified.chain(inconsistent));
+    }
+
+    /// Where UAVs are, as far as is known.
+    fn fleet(&self) -> Vec<[f64; 2]> {
+        let own = [self.pose.p_world[0], self.pose.p_world[1]];
+        std::iter::once(own).chain(self.positions.values().copied()).collect()
     }
 
     fn reject(&mut self, rejection: &Rejection) {
@@ -216,30 +266,53 @@ impl Agent for SetMembershipAgent {
         self.now = now;
         self.stirred = true;
         self.pose = frame.pose;
+        // The frame before was never followed by a timeout: whoever drives this is late.
+        self.update();
         let measured = info_span!("sense").in_scope(|| self.sensor.measure(frame));
-        let changes = info_span!("estimate").in_scope(|| {
-            let predicted = self.predictor.predict(&mut self.knowledge, frame.step);
-            correct(&mut self.knowledge, &predicted, &measured)
-        });
-        self.report(&changes.identified, &changes.inconsistent, false);
-        self.outbox.say_step(now, self.pose, &self.knowledge, &measured, &changes);
-        self.measured = Some(measured);
-        if self.scheduler.decides_at(frame.step) {
-            self.scheduler.on_instant(now);
+        let repairs = self.config.exchange.mode == ExchangeMode::FactsRepair;
+        if repairs {
+            let oem = self.knowledge.oem.block_hashes();
+            self.digest = Digest { facts: self.held.facts(), oem };
         }
+        let mut changed = BTreeMap::new();
+        for &delta in &measured.oem {
+            if self.knowledge.oem.join(delta) {
+                changed.insert(delta.cell, self.knowledge.oem.cells()[delta.cell as usize]);
+            }
+        }
+        let account = Account {
+            now,
+            step: frame.step,
+            pose: self.pose,
+            measured: &measured,
+            changed,
+            knowledge: &self.knowledge,
+            held: self.digest.clone(),
+            uavs: self.fleet(),
+        };
+        let said = self.outbox.say_step(&account, &mut self.repair);
+        self.measured = Some(measured);
+        self.frame = Some((frame.step, said));
+        self.scheduler.on_frame(now, frame.step);
     }
 
     fn handle_message(&mut self, now: SimTime, bytes: &[u8]) {
         self.now = now;
-        match self.inbox.receive(self.knowledge.step, bytes) {
-            Ok(Received::Knowledge { from, hidden }) => {
+        match self.inbox.receive(self.step(), bytes, &self.held) {
+            Ok(Received::Knowledge { from, p_world, hidden }) => {
                 self.hidden_to.insert(from, hidden);
-                self.stirred = true;
+                self.positions.insert(from, [p_world[0], p_world[1]]);
             }
-            Ok(Received::Plan(from, plan)) => match self.scheduler.on_plan(from, &plan) {
-                Ok(()) => self.stirred = true,
-                Err(error) => self.reject(&Rejection::Plan(error)),
-            },
+            Ok(Received::Plan { from, incarnation, plan }) => {
+                match self.scheduler.on_plan(from, &plan) {
+                    Ok(()) => {
+                        self.inbox.believe(from, incarnation);
+                        self.stirred = true;
+                    }
+                    Err(error) => self.reject(&Rejection::Plan(error)),
+                }
+            }
+            Ok(Received::Repeat) => {}
             Err(rejection) => self.reject(&rejection),
         }
     }
@@ -247,7 +320,7 @@ impl Agent for SetMembershipAgent {
     fn handle_timeout(&mut self, now: SimTime) {
         self.now = now;
         self.stirred = false;
-        self.fuse_what_is_due();
+        self.update();
         self.scheduler.on_timeout(now);
         while let Some(pass) = self.scheduler.ready() {
             self.decide(pass);

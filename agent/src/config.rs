@@ -1,7 +1,7 @@
 //! Everything an agent is told before the start.
 
 use csat_proto::camera::CameraModel;
-use csat_proto::ids::{AgentId, Incarnation, RunId};
+use csat_proto::ids::{AgentId, ChannelId, Incarnation, RunId};
 use csat_proto::model::{FleetModel, Ground, TargetsModel};
 use csat_proto::raster::Grid;
 use serde::{Deserialize, Serialize};
@@ -31,6 +31,38 @@ pub struct AgentConfig {
     pub guidance: GuidanceConfig,
     /// `[exchange]`.
     pub exchange: ExchangeConfig,
+    /// Which radio carries what.
+    pub channels: Channels,
+}
+
+/// The names, in the scenario, of the radios that carry what.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ChannelNames {
+    /// Facts.
+    pub facts: String,
+    /// Snapshots.
+    pub snapshots: String,
+    /// Flight plans.
+    pub plans: String,
+}
+
+impl Default for ChannelNames {
+    fn default() -> Self {
+        let radio = || "radio".to_owned();
+        Self { facts: radio(), snapshots: radio(), plans: radio() }
+    }
+}
+
+/// Which radio carries what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Channels {
+    /// Facts.
+    pub facts: ChannelId,
+    /// Snapshots.
+    pub snapshots: ChannelId,
+    /// Flight plans.
+    pub plans: ChannelId,
 }
 
 impl AgentConfig {
@@ -151,19 +183,28 @@ pub enum ExchangeMode {
     /// Each frame's measurements.
     #[serde(rename = "facts")]
     Facts,
-    /// Facts, and all knowledge every `snapshot_period_s`.
+    /// Facts; all knowledge to those who lack some, and every `snapshot_period_s`.
     #[serde(rename = "facts+repair")]
     FactsRepair,
 }
 
 /// `[exchange]`: what is said and what is believed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExchangeConfig {
     /// What is said.
     pub mode: ExchangeMode,
-    /// Seconds between snapshots in `facts+repair`.
+    /// On which radios.
+    pub channels: ChannelNames,
+    /// Seconds between an agent's snapshots in `facts+repair`, whoever needs them.
     pub snapshot_period_s: f64,
+    /// Least seconds between an agent's snapshots for those who lack something.
+    pub repair_period_s: f64,
+    /// How long a message may be on its way before somebody is thought to lack it, seconds.
+    pub repair_delay_s: f64,
+    /// What an agent may say, bytes per second; `inf` for no limit. Sets are simplified until they
+    /// fit, outer ones outward and inner ones inward, coarsest where nobody flies.
+    pub budget_bytes_s: f64,
     /// Messages older than this are dropped, seconds.
     pub max_age_s: f64,
     /// Bound on the difference of two agents' clocks, seconds.
@@ -176,10 +217,14 @@ impl Default for ExchangeConfig {
     fn default() -> Self {
         Self {
             mode: ExchangeMode::FactsRepair,
+            channels: ChannelNames::default(),
             snapshot_period_s: 10.0,
+            repair_period_s: 5.0,
+            repair_delay_s: 2.0,
+            budget_bytes_s: f64::INFINITY,
             max_age_s: 60.0,
             clock_skew_s: 0.0,
-            max_vertices: 200_000,
+            max_vertices: 50_000,
         }
     }
 }

@@ -9,11 +9,13 @@
 //! | [`estimate`] | predict, correct, fuse |
 //! | [`exchange`] | what is said, and what of the others is believed |
 //! | [`guidance`] | where to fly next |
+//! | [`mutant`] | known mistakes, for tests of the tests |
 
 pub mod agent;
 pub mod config;
 pub mod estimate;
 pub mod exchange;
 pub mod guidance;
+pub mod mutant;
 pub mod region;
 pub mod sense;

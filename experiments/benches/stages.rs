@@ -9,9 +9,9 @@ use std::time::Duration;
 use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, Criterion};
 use csat_agent::config::Criterion as Cost;
-use csat_agent::estimate::fuse::Fuser;
-use csat_agent::estimate::predict::Predictor;
-use csat_agent::exchange::inbox::Inbox;
+use csat_agent::estimate::Estimator;
+use csat_agent::estimate::evidence::Heard;
+use csat_agent::estimate::state::Knowledge;
 use csat_world::camera::Renderer;
 use recorded::Moment;
 
@@ -36,38 +36,55 @@ fn main() {
 }
 
 fn world_and_own_frame(group: &mut BenchmarkGroup<'_, WallTime>, moment: &Moment) {
-    let Moment { config, frame, measured, .. } = moment;
+    let Moment { config, frame, .. } = moment;
     let mut renderer = Renderer::new(config.camera);
     group.bench_function("render", |b| b.iter(|| recorded::stage_render(&mut renderer, moment)));
     group.bench_function("sense", |b| {
         let sensor = || moment.sensor.clone();
         b.iter_batched_ref(sensor, |s| recorded::stage_sense(s, frame), BatchSize::LargeInput);
     });
-    let predictor = Predictor::new(config);
+    let estimator = Estimator::new(config);
     group.bench_function("estimate", |b| {
-        let work = |k: &mut _| recorded::stage_estimate(&predictor, k, frame, measured);
+        let work = |k: &mut _| recorded::stage_estimate(&estimator, k, moment);
         b.iter_batched_ref(|| moment.before.clone(), work, BatchSize::LargeInput);
     });
 }
 
 fn messages_and_fusion(group: &mut BenchmarkGroup<'_, WallTime>, moment: &Moment) {
-    let Moment { config, corrected, .. } = moment;
+    let Moment { config, before, corrected, facts, snapshots, .. } = moment;
     group.bench_function("say", |b| {
         let outbox = || recorded::outbox(config);
         b.iter_batched_ref(outbox, |o| recorded::stage_say(o, moment), BatchSize::LargeInput);
     });
     group.bench_function("hear", |b| {
-        let inbox = || Inbox::new(config);
+        let inbox = || recorded::inbox(config);
         b.iter_batched_ref(inbox, |i| recorded::stage_hear(i, moment), BatchSize::LargeInput);
     });
-    let fuser = Fuser::new(config);
-    group.bench_function("fuse", |b| {
-        let work = |k: &mut _| recorded::stage_fuse(&fuser, k, &moment.facts);
-        b.iter_batched_ref(|| corrected.clone(), work, BatchSize::LargeInput);
+    let estimator = Estimator::new(config);
+    let mut with = |name: &str,
+                    knowledge: &Knowledge,
+                    heard: &[Heard],
+                    work: &dyn Fn(&mut Knowledge, Vec<Heard>)| {
+        group.bench_function(name, |b| {
+            let ready = || (knowledge.clone(), heard.to_vec());
+            let work = |(mut knowledge, heard): (Knowledge, Vec<Heard>)| {
+                work(&mut knowledge, heard);
+                knowledge
+            };
+            b.iter_batched(ready, work, BatchSize::LargeInput);
+        });
+    };
+    with("update", before, facts, &|k, heard| {
+        recorded::stage_update(&estimator, k, (moment, heard));
     });
-    group.bench_function("fuse-snapshots", |b| {
-        let work = |k: &mut _| recorded::stage_fuse_snapshots(&fuser, k, &moment.snapshots);
-        b.iter_batched_ref(|| corrected.clone(), work, BatchSize::LargeInput);
+    with("update-snapshots", before, snapshots, &|k, heard| {
+        recorded::stage_update_snapshots(&estimator, k, (moment, heard));
+    });
+    with("fuse", corrected, facts, &|k, heard| {
+        recorded::stage_fuse(&estimator, k, heard);
+    });
+    with("fuse-snapshots", corrected, snapshots, &|k, heard| {
+        recorded::stage_fuse_snapshots(&estimator, k, heard);
     });
 }
 

@@ -10,9 +10,7 @@ mod recorded;
 use std::hint::black_box;
 
 use csat_agent::config::Criterion as Cost;
-use csat_agent::estimate::fuse::Fuser;
-use csat_agent::estimate::predict::Predictor;
-use csat_agent::exchange::inbox::Inbox;
+use csat_agent::estimate::Estimator;
 use csat_world::camera::Renderer;
 use recorded::Moment;
 
@@ -45,16 +43,19 @@ impl Scratch {
     }
 
     fn call_each(&mut self, moment: &Moment) {
-        let Moment { config, frame, measured, before, corrected, facts, snapshots, .. } = moment;
-        let fuser = Fuser::new(config);
+        let Moment { config, frame, before, corrected, facts, snapshots, .. } = moment;
         black_box(recorded::stage_render(&mut self.renderer, moment));
         black_box(recorded::stage_sense(&mut moment.sensor.clone(), frame));
-        let predictor = Predictor::new(config);
-        black_box(recorded::stage_estimate(&predictor, &mut before.clone(), frame, measured));
         recorded::stage_say(&mut recorded::outbox(config), moment);
-        recorded::stage_hear(&mut Inbox::new(config), moment);
-        black_box(recorded::stage_fuse(&fuser, &mut corrected.clone(), facts));
-        black_box(recorded::stage_fuse_snapshots(&fuser, &mut corrected.clone(), snapshots));
+        recorded::stage_hear(&mut recorded::inbox(config), moment);
+        let estimator = &Estimator::new(config);
+        black_box(recorded::stage_estimate(estimator, &mut before.clone(), moment));
+        let (heard, knew) = ((moment, facts.clone()), (moment, snapshots.clone()));
+        black_box(recorded::stage_update(estimator, &mut before.clone(), heard));
+        black_box(recorded::stage_update_snapshots(estimator, &mut before.clone(), knew));
+        let (facts, snapshots) = (facts.clone(), snapshots.clone());
+        black_box(recorded::stage_fuse(estimator, &mut corrected.clone(), facts));
+        black_box(recorded::stage_fuse_snapshots(estimator, &mut corrected.clone(), snapshots));
         let [str1, str2, str3] = &mut self.planners;
         black_box(recorded::stage_guidance_str1(str1, moment));
         black_box(recorded::stage_guidance_str2(str2, moment));

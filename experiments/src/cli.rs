@@ -18,6 +18,7 @@ const AFTER_HELP: &str = "\
 Examples:
   csat run                                  fly the paper's city with seed 1
   csat run helsinki-05 --seed 7 --set agents.count=6 --set netem.radio.range_m=150
+  csat sweep city --vary netem.radio.range_m=25,50,100,200,400,inf --seeds 1..5
   csat check my.toml                        every mistake at once, with its line
   csat plot runs/city-seed1                 draw the pictures of a run again
 
@@ -26,13 +27,15 @@ Exit codes:
   1    something failed, such as a full disk
   2    bad input: nothing was run
   3    the mission flew, and the guarantee or a separation was violated
-  130  ended early by Ctrl-C: the run folder is whole up to there";
+  130  ended early by Ctrl-C: the run folder is whole up to there, a sweep can be resumed";
 
 /// What to do.
 #[derive(Debug, Clone, Subcommand)]
 pub enum Command {
     /// Fly one mission in this process, in virtual time, as fast as it goes
     Run(RunArguments),
+    /// Fly every combination of values with every seed; tables, plots and a report
+    Sweep(SweepArguments),
     /// Report every mistake of a scenario at once; flies nothing
     Check(ScenarioArguments),
     /// Draw the pictures of a run folder again, from its view.json, summary.json and metrics.csv
@@ -71,3 +74,73 @@ pub struct RunArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
 }
+
+/// What to sweep and how.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = SWEEP_HELP)]
+pub struct SweepArguments {
+    /// A shipped scenario (city, helsinki-05, helsinki-17) or a TOML file [default: city]
+    #[arg(conflicts_with = "merge")]
+    pub scenario: Option<String>,
+    /// Values of a key, separated by commas; may be repeated for every combination
+    #[arg(long, value_name = "KEY=A,B,C", conflicts_with = "merge")]
+    pub vary: Vec<String>,
+    /// The seeds of every combination: `1..5` is 1, 2, 3, 4 and 5; `1,4,7` is a list
+    #[arg(long, value_name = "SEEDS", required_unless_present = "merge", conflicts_with = "merge")]
+    pub seeds: Option<String>,
+    /// Change one value in all runs, such as run.duration_s=60; may be repeated, later ones win
+    #[arg(long = "set", value_name = "KEY=VALUE", conflicts_with = "merge")]
+    pub sets: Vec<String>,
+    /// Also fly perfect links, to compare with [default: when a key of netem varies]
+    #[arg(long, conflicts_with_all = ["merge", "no_baseline"])]
+    pub baseline: bool,
+    /// Do not fly perfect links
+    #[arg(long, conflicts_with = "merge")]
+    pub no_baseline: bool,
+    /// Missions at a time, each on one thread; files are the same for any number [default: one per
+    /// core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: Option<u16>,
+    /// Fly only the i-th of n parts (from 1), in a folder that all parts may share; needs --out
+    #[arg(long, value_name = "I/N", requires = "out", conflicts_with = "merge")]
+    pub shard: Option<String>,
+    /// Go on with the same sweep: what is flown stays, what failed is flown again
+    #[arg(long, conflicts_with = "merge")]
+    pub resume: bool,
+    /// Go on when a run fails or violates a guarantee; this is the default
+    #[arg(long, conflicts_with_all = ["merge", "fail_fast"])]
+    pub keep_going: bool,
+    /// Stop at the first run that fails or violates a guarantee
+    #[arg(long, conflicts_with = "merge")]
+    pub fail_fast: bool,
+    /// Keep the run folders too, in DIR/folders
+    #[arg(long, conflicts_with = "merge")]
+    pub keep_runs: bool,
+    /// The sweep's folder, new or empty without --resume [default: sweeps/SCENARIO-KEYS, numbered]
+    #[arg(long, value_name = "DIR", conflicts_with = "merge")]
+    pub out: Option<PathBuf>,
+    /// Bring the runs of these folders of one sweep into the first and make its tables and report
+    #[arg(long, value_name = "DIR", num_args = 1..)]
+    pub merge: Vec<PathBuf>,
+    /// Print what became of the runs as JSON on stdout, and nothing else
+    #[arg(long)]
+    pub json: bool,
+}
+
+const SWEEP_HELP: &str = "\
+Values are TOML or plain words, split at the commas outside of brackets and quotes:
+  --vary netem.radio.range_m=25,50,inf
+  --vary 'netem.radio.loss={model=\"iid\",p=0.1},bad:{model=\"iid\",p=0.5}'   `bad` is a label
+  --vary 'agents.count,targets.count=(2,4),(4,8)'                           together
+Several --vary make every combination; the report has the first one along its axes, the second one
+as colours.
+
+DIR holds sweep.json (what belongs to the sweep), runs/ (a file per finished run), sweep.csv (a row
+per run), sweep_means.csv (means, deviations, confidence) and report.html.
+
+Exit codes:
+  0    done
+  1    a run failed; the others were flown (report.html says how to fly it again)
+  2    bad input: nothing was run
+  3    a run violated a guarantee or a separation
+  130  ended early by Ctrl-C: the same command with --resume goes on";

@@ -2,57 +2,71 @@
 
 use std::sync::Arc;
 
-use csat_netem::config::NetemConfig;
-use csat_netem::fate::Sent;
-use csat_netem::link::{Counters, Links};
-use csat_netem::rule::{Fate, Reason};
-use csat_proto::agent::{Agent, Transmit};
+use csat_netem::config::{NetemConfig, OutageConfig};
+use csat_netem::counters::Counters;
+use csat_netem::fate::{Fate, Sent};
+use csat_netem::link::{Arrival, Links};
+use csat_netem::propagation::Obstruction;
+use csat_proto::agent::Agent;
 use csat_proto::ids::{AgentId, Incarnation, TargetId};
 use csat_proto::time::{SimTime, Step};
-use csat_world::camera::Renderer;
+use csat_world::radio::Buildings;
 use csat_world::scene::Scene;
 use csat_world::truth::{Knowledge, MessageCounts, Monitor, Violation};
 use csat_world::world::World;
 use rayon::prelude::*;
-use tracing::info_span;
+use serde::Serialize;
 use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::plug::Mission;
-use crate::stages;
-use crate::timing::StageTimes;
+use crate::seat::Seat;
 
-/// One agent and what surrounds it.
-pub struct Seat<A: Agent> {
-    /// The agent.
-    pub agent: A,
-    /// What the stages took since the start of the step.
-    pub times: StageTimes,
-    /// Bytes the agent sent in this step.
-    pub bytes_sent: u64,
-    renderer: Renderer,
-    inbox: Vec<Arc<[u8]>>,
-    outbox: Vec<Transmit>,
-    events: Vec<A::Event>,
-    commands: Vec<A::Command>,
-}
-
-/// A message that was lost.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drop {
+/// What became of a message on its way to one receiver.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Passage {
     /// The message.
     pub sent: Sent,
-    /// Why.
-    pub reason: Reason,
+    /// The encoded envelope.
+    pub bytes: Arc<[u8]>,
+    /// Its fate.
+    pub fate: Fate,
+}
+
+/// An agent's process ended or began.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(tag = "event", rename_all = "kebab-case")]
+pub enum LifeEvent {
+    /// It crashed.
+    Crashed {
+        /// Which life ended.
+        incarnation: Incarnation,
+    },
+    /// It was started again.
+    Restarted {
+        /// Which life began.
+        incarnation: Incarnation,
+    },
+}
+
+/// What the links did in one step.
+#[derive(Debug, Default)]
+struct Settled {
+    passages: Vec<Passage>,
+    arrivals: Vec<Arrival>,
 }
 
 /// What happened in one step.
 pub struct StepTrace<E> {
     /// k.
     pub step: Step,
+    /// Who crashed or was restarted.
+    pub lives: Vec<(AgentId, LifeEvent)>,
     /// What the agents reported, by agent.
     pub events: Vec<(AgentId, E)>,
-    /// What the links lost.
-    pub drops: Vec<Drop>,
+    /// What the links did, in the order of sending.
+    pub passages: Vec<Passage>,
+    /// What arrived, in the order of arrival.
+    pub arrivals: Vec<Arrival>,
     /// What the monitor found.
     pub violations: Vec<Violation>,
 }
@@ -63,6 +77,7 @@ pub struct Engine<M: Mission> {
     world: World,
     seats: Vec<Seat<M::Agent>>,
     links: Links,
+    crashes: Vec<OutageConfig>,
     monitor: Monitor,
     seed: u64,
     period_s: f64,
@@ -70,24 +85,27 @@ pub struct Engine<M: Mission> {
     started: bool,
 }
 
+/// Whether an outage lasts at a time.
+fn is_on(outage: &OutageConfig, now: SimTime) -> bool {
+    (outage.from_s..outage.until_s).contains(&now.seconds())
+}
+
 impl<M: Mission> Engine<M> {
     /// A mission about to begin in `world`.
     pub fn new(mission: M, world: World, netem: &NetemConfig, seed: u64) -> Self {
-        let seat = |index: usize| Seat {
-            agent: mission.agent(AgentId(index as u16)),
-            times: StageTimes::default(),
-            bytes_sent: 0,
-            renderer: Renderer::new(mission.camera()),
-            inbox: Vec::new(),
-            outbox: Vec::new(),
-            events: Vec::new(),
-            commands: Vec::new(),
+        let seat = |index: usize| {
+            let agent = mission.agent(AgentId(index as u16), Incarnation(0));
+            Seat::new(agent, mission.camera())
         };
         let period_s = world.config().period_s;
+        let is_needed = netem.all_channels().any(|(_, channel)| channel.propagation.is_some());
+        let buildings = || Arc::new(Buildings::new(world.obstacles())) as Arc<dyn Obstruction>;
+        let obstruction = is_needed.then(buildings);
         Self {
             seats: (0..world.poses().len()).map(seat).collect(),
             monitor: world.monitor(),
-            links: Links::new(netem, seed),
+            links: Links::new(netem, seed, obstruction),
+            crashes: netem.crashes().cloned().collect(),
             mission,
             world,
             seed,
@@ -110,6 +128,17 @@ impl<M: Mission> Engine<M> {
     /// The agents, by index, for measurements that need their scratch memory.
     pub fn seats_mut(&mut self) -> &mut [Seat<M::Agent>] {
         &mut self.seats
+    }
+
+    /// The links.
+    pub fn links(&self) -> &Links {
+        &self.links
+    }
+
+    /// What the links do from now on; what is under way stays under way.
+    pub fn reconfigure_links(&mut self, netem: &NetemConfig) {
+        self.links.reconfigure(netem);
+        self.crashes = netem.crashes().cloned().collect();
     }
 
     /// What the links did so far.
@@ -136,55 +165,75 @@ impl<M: Mission> Engine<M> {
         let step = self.world.step();
         let at = |step: Step| SimTime::from_seconds(f64::from(step.0) * self.period_s);
         let (now, next) = (at(step), at(Step(step.0 + 1)));
+        let lives = self.crash_and_restart(now);
         self.look(now);
-        let drops = self.settle(now, next);
+        let Settled { passages, arrivals } = self.settle(now, next);
         self.obey();
         for seat in &self.seats {
-            self.digest.update(&seat.agent.digest().to_le_bytes());
+            let digest = if seat.is_alive() { seat.agent.digest() } else { 0 };
+            self.digest.update(&digest.to_le_bytes());
         }
         let violations = self.watch(step);
-        StepTrace { step, events: self.collect_events(), drops, violations }
+        StepTrace { step, lives, events: self.collect_events(), passages, arrivals, violations }
+    }
+
+    /// Ends and begins the lives of agents by the schedule of crashes, at the steps that follow.
+    fn crash_and_restart(&mut self, now: SimTime) -> Vec<(AgentId, LifeEvent)> {
+        let mut lives = Vec::new();
+        for (index, seat) in self.seats.iter_mut().enumerate() {
+            let id = AgentId(index as u16);
+            let is_down = self.crashes.iter().any(|crash| crash.agent == id.0 && is_on(crash, now));
+            match (seat.is_alive(), is_down) {
+                (true, true) => {
+                    let incarnation = seat.incarnation();
+                    seat.crash();
+                    lives.push((id, LifeEvent::Crashed { incarnation }));
+                }
+                (false, false) => {
+                    seat.restart(|incarnation| self.mission.agent(id, incarnation));
+                    let incarnation = seat.incarnation();
+                    lives.push((id, LifeEvent::Restarted { incarnation }));
+                }
+                (true, false) | (false, true) => {}
+            }
+        }
+        lives
     }
 
     /// Renders every frame and hands it to its agent.
     fn look(&mut self, now: SimTime) {
         let scene: Scene = self.world.scene();
         let (poses, step, seed) = (self.world.poses(), self.world.step(), self.seed);
-        self.seats.par_iter_mut().zip(&poses).enumerate().for_each(|(index, (seat, pose))| {
+        let seats = self.seats.par_iter_mut().zip(&poses).enumerate();
+        seats.filter(|(_, (seat, _))| seat.is_alive()).for_each(|(index, (seat, pose))| {
             let id = AgentId(index as u16);
-            let Seat { renderer, agent, .. } = seat;
-            let ((), times) = stages::collect(|| {
-                let frame =
-                    info_span!("render").in_scope(|| renderer.frame(&scene, pose, step, seed, id));
-                agent.handle_frame(now, &frame);
-            });
-            seat.times = times;
-            seat.bytes_sent = 0;
+            seat.look(now, |renderer| renderer.frame(&scene, pose, step, seed, id));
         });
     }
 
     /// Lets messages and timeouts take their turns until nothing is left before `next`.
-    fn settle(&mut self, now: SimTime, next: SimTime) -> Vec<Drop> {
-        let mut drops = Vec::new();
+    fn settle(&mut self, now: SimTime, next: SimTime) -> Settled {
+        let mut settled = Settled::default();
         let mut now = now;
         loop {
-            self.send_all(now, &mut drops);
-            let timeouts = self.seats.iter().filter_map(|seat| seat.agent.poll_timeout());
+            self.send_all(now, &mut settled.passages);
+            let timeouts = self.seats.iter().filter_map(|seat| seat.poll_timeout());
             let Some(due) = timeouts.chain(self.links.next_arrival()).min() else { break };
             if due >= next {
                 break;
             }
             now = now.max(due);
             while let Some(arrival) = self.links.receive(now) {
-                self.seats[usize::from(arrival.dst.0)].inbox.push(arrival.bytes);
+                self.seats[usize::from(arrival.dst.0)].receive(arrival.bytes.clone());
+                settled.arrivals.push(arrival);
             }
             self.seats.par_iter_mut().for_each(|seat| seat.run(now));
         }
-        drops
+        settled
     }
 
     /// Hands everything the agents want to say to the links.
-    fn send_all(&mut self, now: SimTime, drops: &mut Vec<Drop>) {
+    fn send_all(&mut self, now: SimTime, passages: &mut Vec<Passage>) {
         let positions: Vec<[f64; 3]> = self.world.poses().iter().map(|pose| pose.p_world).collect();
         for src in 0..self.seats.len() {
             self.seats[src].poll();
@@ -195,7 +244,7 @@ impl<M: Mission> Engine<M> {
                     let sent = Sent {
                         src: AgentId(src as u16),
                         dst: AgentId(dst as u16),
-                        incarnation: Incarnation(0),
+                        incarnation: self.seats[src].incarnation(),
                         channel: transmit.channel,
                         sequence: transmit.sequence,
                         time: now,
@@ -203,9 +252,8 @@ impl<M: Mission> Engine<M> {
                         src_p_world: positions[src],
                         dst_p_world: positions[dst],
                     };
-                    if let Fate::Lost(reason) = self.links.send(&sent, bytes.clone()) {
-                        drops.push(Drop { sent, reason });
-                    }
+                    let fate = self.links.send(&sent, bytes.clone());
+                    passages.push(Passage { sent, bytes: bytes.clone(), fate });
                 }
             }
         }
@@ -223,14 +271,15 @@ impl<M: Mission> Engine<M> {
     }
 
     fn watch(&mut self, step: Step) -> Vec<Violation> {
-        struct Asked<'a, M: Mission>(&'a M, &'a M::Agent);
+        struct Asked<'a, M: Mission>(&'a M, &'a Seat<M::Agent>);
         impl<M: Mission> Knowledge for Asked<'_, M> {
             fn admits(&self, target: TargetId, location: [f64; 2], tolerance_m: f64) -> bool {
-                self.0.admits(self.1, target, location, tolerance_m)
+                // Who does not run claims nothing.
+                !self.1.is_alive() || self.0.admits(&self.1.agent, target, location, tolerance_m)
             }
         }
         let asked: Vec<Asked<'_, M>> =
-            self.seats.iter().map(|seat| Asked(&self.mission, &seat.agent)).collect();
+            self.seats.iter().map(|seat| Asked(&self.mission, seat)).collect();
         let agents: Vec<&dyn Knowledge> = asked.iter().map(|a| a as &dyn Knowledge).collect();
         let mut found = self.monitor.check(step, &agents, self.world.targets());
         let counters = self.links.counters();
@@ -250,29 +299,5 @@ impl<M: Mission> Engine<M> {
         by_agent
             .flat_map(|(i, seat)| seat.events.drain(..).map(move |e| (AgentId(i as u16), e)))
             .collect()
-    }
-}
-
-impl<A: Agent> Seat<A> {
-    /// Handles what arrived and, if its time has come, the timeout.
-    fn run(&mut self, now: SimTime) {
-        let inbox = std::mem::take(&mut self.inbox);
-        let agent = &mut self.agent;
-        let ((), times) = stages::collect(|| {
-            for bytes in inbox {
-                agent.handle_message(now, &bytes);
-            }
-            if agent.poll_timeout().is_some_and(|due| due <= now) {
-                agent.handle_timeout(now);
-            }
-        });
-        self.times.add(&times);
-    }
-
-    /// Takes everything the agent has to say.
-    fn poll(&mut self) {
-        self.outbox.extend(std::iter::from_fn(|| self.agent.poll_transmit()));
-        self.commands.extend(std::iter::from_fn(|| self.agent.poll_command()));
-        self.events.extend(std::iter::from_fn(|| self.agent.poll_event()));
     }
 }

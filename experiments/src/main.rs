@@ -15,6 +15,7 @@ fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Run(arguments) => commands::run(arguments, &logs),
         Command::Check(arguments) => commands::check(arguments),
+        Command::Sweep(arguments) => commands::sweep(arguments),
         Command::Plot { dir } => commands::plot(dir),
     };
     match result {

@@ -4,9 +4,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use csat_netem::fate::Sent;
-use csat_netem::link::Counters;
-use csat_netem::rule::Reason;
+use csat_netem::config::TraceLevel;
+use csat_netem::counters::Counters;
 use csat_proto::agent::Agent;
 use csat_proto::ids::{AgentId, TargetId};
 use csat_world::truth::Fault;
@@ -14,11 +13,13 @@ use csat_world::world::World;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::engine::{Drop, Engine, StepTrace};
+use crate::engine::{Engine, LifeEvent, StepTrace};
 use crate::metrics::{Coverage, StepRecord, targets_in_fov};
-use crate::plug::Mission;
+use crate::passages::{LinkRow, passage_lines};
+use crate::plug::{Mission, Tally, Watched};
 use crate::record::{Outcome, RecordError, Recorder};
 use crate::scenario::Loaded;
+use crate::seat::Seat;
 use crate::set_membership::SetMembership;
 use crate::summary::Messages;
 use crate::view::{Building, UavTrack, View};
@@ -52,7 +53,9 @@ pub fn run(
     };
     let engine = Engine::new(mission.clone(), world, &scenario.netem, scenario.seed);
     let coverage = Coverage::new(scenario.ground(), COVERAGE_CELL_M);
-    Flight { mission, engine, coverage, view, inconsistencies: 0 }.fly(
+    let trace = scenario.netem.trace;
+    let tally = Tally::default();
+    Flight { mission, engine, coverage, view, trace, tally, inconsistencies: 0 }.fly(
         scenario.steps(),
         scenario.run.period_s,
         options,
@@ -81,6 +84,10 @@ struct Flight<M: Mission> {
     engine: Engine<M>,
     coverage: Coverage,
     view: View,
+    /// What is written down of the links.
+    trace: TraceLevel,
+    /// What lives that are over did not believe and did not say.
+    tally: Tally,
     inconsistencies: u64,
 }
 
@@ -90,17 +97,6 @@ struct AgentLine<'a, E> {
     agent: AgentId,
     #[serde(flatten)]
     event: &'a E,
-}
-
-/// A line of `events.jsonl`: a lost message.
-#[derive(Serialize)]
-struct DropLine {
-    event: &'static str,
-    step: u32,
-    src: AgentId,
-    dst: AgentId,
-    sequence: u64,
-    reason: Reason,
 }
 
 /// A line of `events.jsonl`: something that must never happen did.
@@ -147,10 +143,15 @@ impl<M: Mission> Flight<M> {
             self.inconsistencies += u64::from(self.mission.is_inconsistency(event));
             recorder.event(&AgentLine { agent: *agent, event })?;
         }
-        for Drop { sent, reason } in &trace.drops {
-            let Sent { src, dst, sequence, .. } = *sent;
-            let reason = *reason;
-            recorder.event(&DropLine { event: "drop", step, src, dst, sequence, reason })?;
+        for (agent, event) in &trace.lives {
+            if let LifeEvent::Crashed { .. } = event {
+                let seat = &self.engine.seats()[usize::from(agent.0)];
+                self.tally.add(&self.mission.tally(&seat.agent));
+            }
+            recorder.event(&AgentLine { agent: *agent, event })?;
+        }
+        for line in passage_lines(step, &trace.passages, self.trace) {
+            recorder.event(&line)?;
         }
         for violation in &trace.violations {
             let fault = &violation.fault;
@@ -159,7 +160,7 @@ impl<M: Mission> Flight<M> {
         Ok(())
     }
 
-    /// One row per agent.
+    /// One row per agent that runs.
     fn measure(
         &mut self,
         trace: &StepTrace<<M::Agent as Agent>::Event>,
@@ -181,6 +182,7 @@ impl<M: Mission> Flight<M> {
             .zip(&poses)
             .zip(&broken)
             .enumerate()
+            .filter(|(_, ((seat, _), _))| seat.is_alive())
             .map(|(index, ((seat, pose), &violations))| {
                 let [x_m, y_m, z_m] = pose.p_world;
                 let mut row = StepRecord {
@@ -204,8 +206,7 @@ impl<M: Mission> Flight<M> {
 
     /// What is the same in every row of a step.
     fn measure_fleet(&mut self, truth: &[[f64; 2]]) -> StepRecord {
-        let watched: Vec<_> =
-            self.engine.seats().iter().map(|seat| self.mission.watched(&seat.agent)).collect();
+        let watched: Vec<_> = self.engine.seats().iter().map(|seat| self.watched(seat)).collect();
         let mut fleet = StepRecord::default();
         let (mut identified, mut detected) =
             (BTreeSet::<TargetId>::new(), BTreeSet::<TargetId>::new());
@@ -225,6 +226,11 @@ impl<M: Mission> Flight<M> {
         fleet
     }
 
+    /// What an agent watches; nothing when it does not run.
+    fn watched<'a>(&self, seat: &'a Seat<M::Agent>) -> Watched<'a> {
+        if seat.is_alive() { self.mission.watched(&seat.agent) } else { Watched::default() }
+    }
+
     fn draw_tracks(&mut self) {
         let world = self.engine.world();
         for (uav, pose) in self.view.uavs.iter_mut().zip(world.poses()) {
@@ -240,31 +246,34 @@ impl<M: Mission> Flight<M> {
         let seats = self.engine.seats();
         self.view.time_s = sim_s;
         self.view.agents = seats.iter().map(|seat| self.mission.view(&seat.agent)).collect();
-        let receivers = seats.len().saturating_sub(1).max(1) as u64;
+        let mut tally = self.tally;
+        let alive = seats.iter().filter(|seat| seat.is_alive());
+        alive.for_each(|seat| tally.add(&self.mission.tally(&seat.agent)));
         Outcome {
             steps,
             sim_s,
             interrupted,
             violations: self.engine.monitor().counts().total(),
             inconsistencies: self.inconsistencies,
-            // The links count a message once per receiver.
-            bytes_sent: self.engine.counters().bytes_sent / receivers,
-            messages: messages(self.engine.counters()),
+            bytes_sent: self.engine.counters().bytes_sent,
+            messages: messages(self.engine.counters(), tally),
+            links: self.engine.links().per_link().map(LinkRow::new).collect(),
             digest: self.engine.digest(),
             view: self.view.rounded(),
         }
     }
 }
 
-fn messages(counters: &Counters) -> Messages {
-    let name = |reason| match serde_json::to_value(reason) {
-        Ok(serde_json::Value::String(name)) => name,
-        _ => format!("{reason:?}"),
-    };
+fn messages(counters: &Counters, tally: Tally) -> Messages {
+    let dropped = counters.dropped.iter();
     Messages {
         sent: counters.sent,
         delivered: counters.delivered,
-        dropped: counters.dropped.iter().map(|(reason, n)| (name(reason), *n)).collect(),
+        dropped: dropped.map(|(reason, n)| (reason.name().to_owned(), *n)).collect(),
         duplicated: counters.duplicated,
+        corrupted: counters.corrupted,
+        in_flight: counters.in_flight,
+        rejected: tally.rejected,
+        withheld: tally.withheld,
     }
 }

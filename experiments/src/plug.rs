@@ -1,10 +1,12 @@
 //! A mission is a plug: the engine, the monitor, the metrics and the pictures know it by this trait,
 //! not by name.
 
+use std::collections::BTreeMap;
+
 use csat_proto::agent::Agent;
 use csat_proto::camera::CameraModel;
 use csat_proto::command::YawCommand;
-use csat_proto::ids::{AgentId, TargetId};
+use csat_proto::ids::{AgentId, Incarnation, TargetId};
 use csat_proto::region::Region;
 use serde::Serialize;
 
@@ -17,8 +19,8 @@ pub trait Mission: Sync {
     /// The agent.
     type Agent: Agent<Command = YawCommand, Event: Serialize> + Sync;
 
-    /// The agent of a UAV at the start of its first life.
-    fn agent(&self, id: AgentId) -> Self::Agent;
+    /// The agent of a UAV at the start of one of its lives.
+    fn agent(&self, id: AgentId, incarnation: Incarnation) -> Self::Agent;
 
     /// The camera of every UAV.
     fn camera(&self) -> CameraModel;
@@ -42,8 +44,30 @@ pub trait Mission: Sync {
     /// What the agent knows, to be drawn.
     fn view(&self, agent: &Self::Agent) -> view::Knowledge;
 
+    /// What an agent did not believe and did not say in its life so far.
+    fn tally(&self, agent: &Self::Agent) -> Tally;
+
     /// Whether an event says that an assumption failed.
     fn is_inconsistency(&self, event: &<Self::Agent as Agent>::Event) -> bool;
+}
+
+/// What an agent did not believe and did not say.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Tally {
+    /// Messages it dropped as invalid, by reason.
+    pub rejected: BTreeMap<String, u64>,
+    /// Steps it did not tell of because nothing fitted its budget.
+    pub withheld: u64,
+}
+
+impl Tally {
+    /// Adds what another agent, or another life, did not believe and did not say.
+    pub fn add(&mut self, other: &Tally) {
+        for (reason, count) in &other.rejected {
+            *self.rejected.entry(reason.clone()).or_default() += count;
+        }
+        self.withheld += other.withheld;
+    }
 }
 
 /// What an agent watches at one step.

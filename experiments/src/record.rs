@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::metrics::StepRecord;
+use crate::passages::LinkRow;
 use crate::plot;
 use crate::progress::Progress;
 use crate::provenance::Provenance;
@@ -63,6 +64,8 @@ pub struct Outcome {
     pub messages: Messages,
     /// Bytes that agents sent.
     pub bytes_sent: u64,
+    /// What each link did.
+    pub links: Vec<LinkRow>,
     /// Hash of every agent's state at every step.
     pub digest: u64,
     /// The end, to be drawn.
@@ -174,6 +177,7 @@ impl Recorder {
         })?;
         file.finish()?;
         events.finish()?;
+        folder.write("links.csv", &links_csv(&outcome.links)?)?;
         folder.write("view.json", &(serde_json::to_string(&outcome.view)? + "\n"))?;
         folder.write("map.svg", &plot::map_svg(&outcome.view))?;
         folder.write("metrics.svg", &plot::metrics_svg(&summary, &series)?)?;
@@ -211,6 +215,14 @@ impl Recorder {
     fn csv_error(&self, error: csv::Error) -> RecordError {
         RecordError::Csv { path: self.folder.partial().join("metrics.csv"), error }
     }
+}
+
+fn links_csv(rows: &[LinkRow]) -> Result<String, RecordError> {
+    let error = |error| RecordError::Csv { path: "links.csv".into(), error };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(error)?;
+    let bytes = writer.into_inner().expect("a vector takes everything");
+    Ok(String::from_utf8(bytes).expect("numbers are text"))
 }
 
 #[cfg(test)]

@@ -50,7 +50,7 @@ fn a_finished_run_has_every_file_and_its_numbers() {
             sent: 3,
             delivered: 2,
             dropped: BTreeMap::from([("loss".into(), 1)]),
-            duplicated: 0,
+            ..Messages::default()
         },
         ..Outcome::default()
     };

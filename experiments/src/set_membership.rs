@@ -6,7 +6,7 @@ use csat_proto::camera::CameraModel;
 use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
 
 use crate::metrics::{StepRecord, hidden_unexplored_pct, localization, oem_iou_pct, percent_of};
-use crate::plug::{Mission, Watched};
+use crate::plug::{Mission, Tally, Watched};
 use crate::scenario::Scenario;
 use crate::view;
 
@@ -30,7 +30,8 @@ impl SetMembership {
             camera: scenario.camera,
             estimator: scenario.estimator,
             guidance: scenario.guidance.clone(),
-            exchange: scenario.exchange,
+            exchange: scenario.exchange.clone(),
+            channels: scenario.channels(),
         };
         Self { config }
     }
@@ -39,8 +40,8 @@ impl SetMembership {
 impl Mission for SetMembership {
     type Agent = SetMembershipAgent;
 
-    fn agent(&self, id: AgentId) -> SetMembershipAgent {
-        SetMembershipAgent::new(&AgentConfig { id, ..self.config.clone() })
+    fn agent(&self, id: AgentId, incarnation: Incarnation) -> SetMembershipAgent {
+        SetMembershipAgent::new(&AgentConfig { id, incarnation, ..self.config.clone() })
     }
 
     fn camera(&self) -> CameraModel {
@@ -93,6 +94,11 @@ impl Mission for SetMembership {
             hidden: view::cells(&knowledge.hidden),
             oem: view::oem(knowledge.oem.grid(), knowledge.oem.cells()),
         }
+    }
+
+    fn tally(&self, agent: &SetMembershipAgent) -> Tally {
+        let rejected = agent.rejected().iter().map(|(reason, n)| ((*reason).to_owned(), *n));
+        Tally { rejected: rejected.collect(), withheld: agent.withheld() }
     }
 
     fn is_inconsistency(&self, event: &Event) -> bool {

@@ -61,8 +61,16 @@ pub struct Messages {
     pub delivered: u64,
     /// Of those, how many were lost, by reason.
     pub dropped: BTreeMap<String, u64>,
-    /// Extra copies that arrived.
+    /// Extra copies that the links made.
     pub duplicated: u64,
+    /// Of what arrived, how many were damaged on the way: the receivers' checksums drop them.
+    pub corrupted: u64,
+    /// Still on their way at the end: sent + duplicated = delivered + dropped + in flight.
+    pub in_flight: u64,
+    /// Of what arrived, how many were not believed, by reason.
+    pub rejected: BTreeMap<String, u64>,
+    /// Agent-steps that were not told of because nothing fitted the budget.
+    pub withheld: u64,
 }
 
 impl Summary {
@@ -137,6 +145,7 @@ pub(crate) mod tests {
                 delivered: 9,
                 dropped: BTreeMap::from([("range".to_owned(), 3)]),
                 duplicated: 0,
+                ..Messages::default()
             },
             bytes_sent: 1_234_567,
             timing_ms: TimingSummary::default(),

@@ -1,6 +1,6 @@
 //! `view.json`: all that `map.svg` is drawn from, in metres of `world`.
 
-use csat_proto::message::OemCell;
+use csat_proto::oem::OemCell;
 use csat_proto::raster::{Grid, Raster};
 use csat_proto::region::{Region, metres};
 use csat_world::obstacle::Obstacle;

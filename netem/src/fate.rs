@@ -1,9 +1,8 @@
-//! A message's identity, and the random numbers that belong to it.
+//! A message's identity, and what becomes of it.
 
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
 use csat_proto::time::SimTime;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 
 /// A message on its way from one agent to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,37 +35,97 @@ impl Sent {
     }
 }
 
-/// What a random number is for; part of its key, so that rules never share one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Purpose {
+/// Why a message was lost, in the order in which the rules are asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Reason {
+    /// The scenario has no such channel.
+    NoChannel,
+    /// The sender was out when it sent, or the receiver when it would have arrived.
+    Outage,
+    /// The ends were in groups that could not hear each other.
+    Partition,
+    /// Too far.
+    Range,
+    /// Too weak to be understood.
+    Propagation,
+    /// The receiver was jammed.
+    Jamming,
     /// Random loss.
-    Loss = 0,
+    Loss,
+    /// The sender's queue was full.
+    Queue,
 }
 
-/// The uniform random number in [0, 1) that belongs to a message and a purpose.
-///
-/// ChaCha8 keyed by seed, link, life, channel and purpose, at the counter of the sequence number:
-/// nothing is drawn in order, so nothing depends on what else is sent.
-pub fn uniform(seed: u64, sent: &Sent, purpose: Purpose) -> f64 {
-    /// Words of one ChaCha block.
-    const BLOCK: u128 = 16;
-    let mut key = [0u8; 32];
-    key[..8].copy_from_slice(&seed.to_le_bytes());
-    key[8..10].copy_from_slice(&sent.src.0.to_le_bytes());
-    key[10..12].copy_from_slice(&sent.dst.0.to_le_bytes());
-    key[12..16].copy_from_slice(&sent.incarnation.0.to_le_bytes());
-    key[16] = sent.channel.0;
-    key[17] = purpose as u8;
-    key[18..].copy_from_slice(b"csat fates v1 ");
-    let mut generator = ChaCha8Rng::from_seed(key);
-    generator.set_word_pos(u128::from(sent.sequence) * BLOCK);
-    generator.random()
+impl Reason {
+    /// All reasons, in order.
+    pub const ALL: [Self; 8] = [
+        Self::NoChannel,
+        Self::Outage,
+        Self::Partition,
+        Self::Range,
+        Self::Propagation,
+        Self::Jamming,
+        Self::Loss,
+        Self::Queue,
+    ];
+
+    /// Its name in scenarios, events and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NoChannel => "no-channel",
+            Self::Outage => "outage",
+            Self::Partition => "partition",
+            Self::Range => "range",
+            Self::Propagation => "propagation",
+            Self::Jamming => "jamming",
+            Self::Loss => "loss",
+            Self::Queue => "queue",
+        }
+    }
+}
+
+impl std::fmt::Display for Reason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A copy that arrives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Delivery {
+    /// When.
+    pub at: SimTime,
+    /// Whether one of its bytes is damaged.
+    pub corrupted: bool,
+}
+
+/// What becomes of a message and of its copy, if there is one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fate {
+    /// The message.
+    pub first: Result<Delivery, Reason>,
+    /// Its copy, when the link made one.
+    pub duplicate: Option<Result<Delivery, Reason>>,
+}
+
+impl Fate {
+    /// The message and its copy.
+    pub fn copies(&self) -> impl Iterator<Item = Result<Delivery, Reason>> {
+        std::iter::once(self.first).chain(self.duplicate)
+    }
+}
+
+/// The instant `seconds` after `time`; the end of time when that is later.
+pub(crate) fn after(time: SimTime, seconds: f64) -> SimTime {
+    SimTime(time.0.saturating_add(SimTime::from_seconds(seconds).0))
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
 
+    /// A message over 50 m at 1 s.
     pub(crate) fn sent(sequence: u64) -> Sent {
         Sent {
             src: AgentId(0),
@@ -82,16 +141,18 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn numbers_belong_to_messages_and_spread_evenly() {
-        let draw = |i| uniform(7, &sent(i), Purpose::Loss);
-        assert_eq!(draw(5), draw(5));
-        let mean = (0..20_000).map(draw).sum::<f64>() / 20_000.0;
-        assert!((mean - 0.5).abs() < 4.0 * (1.0f64 / 12.0 / 20_000.0).sqrt(), "{mean}");
-        let other_link = Sent { dst: AgentId(2), ..sent(5) };
-        let other_life = Sent { incarnation: Incarnation(1), ..sent(5) };
-        for other in [other_link, other_life] {
-            assert_ne!(draw(5), uniform(7, &other, Purpose::Loss));
+    fn reasons_have_one_name_each_and_keep_their_order() {
+        for (index, reason) in Reason::ALL.into_iter().enumerate() {
+            assert_eq!(reason as usize, index);
+            assert_eq!(serde_json::to_value(reason).unwrap(), reason.name());
         }
-        assert_ne!(draw(5), uniform(8, &sent(5), Purpose::Loss));
+        assert!(Reason::ALL.is_sorted());
+    }
+
+    #[test]
+    fn time_ends_instead_of_overflowing() {
+        assert_eq!(after(SimTime(5), 1.0), SimTime(1_000_005));
+        assert_eq!(after(SimTime(5), f64::INFINITY), SimTime(u64::MAX));
+        assert_eq!(after(SimTime(u64::MAX), 1.0), SimTime(u64::MAX));
     }
 }

@@ -1,58 +1,69 @@
-//! Messages in flight.
+//! The links of a fleet: messages handed over, in flight, delivered in order, and counted.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::sync::Arc;
 
-use csat_proto::ids::AgentId;
+use csat_proto::ids::{AgentId, ChannelId, Incarnation};
 use csat_proto::time::SimTime;
-use serde::Serialize;
 
-use crate::config::NetemConfig;
-use crate::fate::Sent;
-use crate::rule::{Fate, Reason, Rule, fate, rules};
-
-/// What the links did so far. Always: sent + duplicated = delivered + dropped + in flight.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
-pub struct Counters {
-    /// Messages handed over, one per receiver.
-    pub sent: u64,
-    /// Messages that arrived.
-    pub delivered: u64,
-    /// Further copies of messages.
-    pub duplicated: u64,
-    /// Messages that were lost, by reason.
-    pub dropped: BTreeMap<Reason, u64>,
-    /// Messages on their way.
-    pub in_flight: u64,
-    /// Bytes handed over.
-    pub bytes_sent: u64,
-}
-
-impl Counters {
-    /// Whether no message appeared or vanished.
-    pub fn conserved(&self) -> bool {
-        let dropped: u64 = self.dropped.values().sum();
-        self.sent + self.duplicated == self.delivered + dropped + self.in_flight
-    }
-}
+use crate::config::{ChannelConfig, NetemConfig, RateConfig};
+pub use crate::counters::{Counters, LinkCounters};
+use crate::draw::Block;
+use crate::fate::{Delivery, Fate, Reason, Sent, after};
+use crate::outage::Outages;
+use crate::propagation::Obstruction;
+use crate::rate::Sender;
+use crate::repeat::damage;
+use crate::rule::{Case, LinkState, Rule, judge, rules};
 
 /// A message that arrives.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Arrival {
     /// When.
     pub at: SimTime,
+    /// The sender.
+    pub src: AgentId,
     /// The receiver.
     pub dst: AgentId,
+    /// The radio.
+    pub channel: ChannelId,
     /// The encoded envelope.
     pub bytes: Arc<[u8]>,
 }
 
+/// Sender, receiver and channel.
+pub type LinkId = (AgentId, AgentId, ChannelId);
+
 /// The links of a fleet: decides fates, holds what is in flight, counts.
+///
+/// Parameters ([`Links::reconfigure`]) live apart from what was and is: chains of losses and
+/// delays, queues, messages in flight, counts.
 pub struct Links {
-    rules: Vec<Box<dyn Rule>>,
+    seed: u64,
+    obstruction: Option<Arc<dyn Obstruction>>,
+    /// What the rules were made from.
+    config: Option<NetemConfig>,
+    outages: Outages,
+    channels: Vec<Channel>,
+    links: BTreeMap<LinkId, Link>,
+    senders: BTreeMap<(AgentId, ChannelId), Sender>,
     in_flight: BinaryHeap<Reverse<InFlight>>,
     counters: Counters,
+}
+
+/// A channel's parameters.
+struct Channel {
+    rate: RateConfig,
+    rules: Vec<Box<dyn Rule>>,
+}
+
+/// A link's memory.
+#[derive(Default)]
+struct Link {
+    counters: LinkCounters,
+    /// Of the life that was asked about last: any other can be computed again.
+    life: Option<(Incarnation, Box<LinkState>)>,
 }
 
 /// Ordered by arrival, then by identity, so that ties are broken the same way everywhere.
@@ -60,35 +71,87 @@ pub struct Links {
 struct InFlight {
     at: SimTime,
     src: AgentId,
+    incarnation: Incarnation,
+    channel: ChannelId,
     sequence: u64,
     dst: AgentId,
+    is_copy: bool,
+    sent_at: SimTime,
+    corrupted: bool,
     bytes: Arc<[u8]>,
 }
 
 impl Links {
-    /// Links that follow `config`, with fates of `seed`.
-    pub fn new(config: &NetemConfig, seed: u64) -> Self {
-        Self {
-            rules: rules(&config.radio, seed),
+    /// Links that follow `config`, with fates of `seed`, among what may stand in the way.
+    pub fn new(config: &NetemConfig, seed: u64, obstruction: Option<Arc<dyn Obstruction>>) -> Self {
+        let mut links = Self {
+            seed,
+            obstruction,
+            config: None,
+            outages: Outages::default(),
+            channels: Vec::new(),
+            links: BTreeMap::new(),
+            senders: BTreeMap::new(),
             in_flight: BinaryHeap::new(),
             counters: Counters::default(),
+        };
+        links.reconfigure(config);
+        links
+    }
+
+    /// Follows `config` from now on. Nothing else changes: chains go on from where they are, queues
+    /// stay as long as they are and what is in flight arrives as it would have. Channels are known
+    /// by their ids, so `config` should have the same names as before.
+    pub fn reconfigure(&mut self, config: &NetemConfig) {
+        if self.config.as_ref() == Some(config) {
+            return;
         }
+        self.config = Some(config.clone());
+        self.outages = Outages::new(config);
+        let channel = |(index, (_, channel)): (usize, (&str, &ChannelConfig))| {
+            let id = ChannelId(u8::try_from(index).ok()?);
+            let rules = rules(config, id, channel, self.obstruction.as_ref());
+            Some(Channel { rate: channel.rate, rules })
+        };
+        self.channels = config.all_channels().enumerate().map_while(channel).collect();
     }
 
     /// Hands a message over and tells its fate.
     pub fn send(&mut self, sent: &Sent, bytes: Arc<[u8]>) -> Fate {
-        self.counters.sent += 1;
-        self.counters.bytes_sent += bytes.len() as u64;
-        let fate = fate(&self.rules, sent);
-        match fate {
-            Fate::Delivered(at) => {
-                self.counters.in_flight += 1;
-                let Sent { src, dst, sequence, .. } = *sent;
-                self.in_flight.push(Reverse(InFlight { at, src, sequence, dst, bytes }));
-            }
-            Fate::Lost(reason) => *self.counters.dropped.entry(reason).or_default() += 1,
+        let size = bytes.len() as u64;
+        let (fate, is_new) = self.decide(sent);
+        self.counters.count_sent(&fate);
+        self.counters.bytes_sent += if is_new { size } else { 0 };
+        let link = self.links.entry((sent.src, sent.dst, sent.channel)).or_default();
+        link.counters.count_sent(&fate, size, sent.distance_m());
+        for (index, copy) in fate.copies().enumerate() {
+            let Ok(Delivery { at, corrupted }) = copy else { continue };
+            let bytes = match corrupted {
+                true => damaged(&bytes, &link.block(self.seed, sent)),
+                false => bytes.clone(),
+            };
+            let Sent { src, dst, incarnation, channel, sequence, time: sent_at, .. } = *sent;
+            let is_copy = index > 0;
+            self.in_flight.push(Reverse(InFlight {
+                at,
+                src,
+                incarnation,
+                channel,
+                sequence,
+                dst,
+                is_copy,
+                sent_at,
+                corrupted,
+                bytes,
+            }));
         }
         fate
+    }
+
+    /// The fate of a message that nobody hands over: nothing is counted and nothing arrives. It
+    /// takes its place in its sender's queue, as the same message handed over would.
+    pub fn fate(&mut self, sent: &Sent) -> Fate {
+        self.decide(sent).0
     }
 
     /// When the next message arrives.
@@ -101,43 +164,79 @@ impl Links {
         if self.next_arrival()? > now {
             return None;
         }
-        let Reverse(InFlight { at, dst, bytes, .. }) = self.in_flight.pop()?;
-        self.counters.in_flight -= 1;
-        self.counters.delivered += 1;
-        Some(Arrival { at, dst, bytes })
+        let Reverse(message) = self.in_flight.pop()?;
+        let InFlight { at, src, dst, channel, sent_at, corrupted, bytes, .. } = message;
+        self.counters.count_arrival(corrupted);
+        let link = self.links.entry((src, dst, channel)).or_default();
+        link.counters.count_arrival(corrupted, at.seconds_since(sent_at));
+        Some(Arrival { at, src, dst, channel, bytes })
     }
 
     /// What happened so far.
     pub fn counters(&self) -> &Counters {
         &self.counters
     }
+
+    /// What happened so far on each link that was used, by sender, receiver and channel.
+    pub fn per_link(&self) -> impl Iterator<Item = (LinkId, &LinkCounters)> {
+        self.links.iter().map(|(id, link)| (*id, &link.counters))
+    }
+
+    /// A message's fate, and whether its sender's queue has not seen it before.
+    fn decide(&mut self, sent: &Sent) -> (Fate, bool) {
+        let silenced = self.outages.is_out(sent.src, sent.time);
+        let channel = self.channels.get(usize::from(sent.channel.0));
+        let rate = channel.map_or(RateConfig::default(), |channel| channel.rate);
+        let sender = self.senders.entry((sent.src, sent.channel)).or_default();
+        let (departure, is_new) = sender.depart(&rate, sent, silenced);
+        let Some(channel) = channel else {
+            return (Fate { first: Err(Reason::NoChannel), duplicate: None }, is_new);
+        };
+        let link = self.links.entry((sent.src, sent.dst, sent.channel)).or_default();
+        let link = link.state(self.seed, sent);
+        let block = *link.draws.block(sent.sequence);
+        let mut case = Case {
+            sent,
+            block,
+            link,
+            departure,
+            corrupted: false,
+            duplicated: false,
+            delays_s: [0.0; 2],
+        };
+        let verdict = judge(&channel.rules, &mut case);
+        let Case { corrupted, duplicated, delays_s, .. } = case;
+        let arrive = |delay_s: f64| {
+            verdict?;
+            let at = after(sent.time, delay_s);
+            let is_out = self.outages.is_out(sent.dst, at);
+            if is_out { Err(Reason::Outage) } else { Ok(Delivery { at, corrupted }) }
+        };
+        let duplicate = duplicated.then(|| arrive(delays_s[1]));
+        (Fate { first: arrive(delays_s[0]), duplicate }, is_new)
+    }
+}
+
+impl Link {
+    /// The memory of the life that `sent` is of.
+    fn state(&mut self, seed: u64, sent: &Sent) -> &mut LinkState {
+        let fresh = || (sent.incarnation, Box::new(LinkState::new(seed, sent)));
+        if self.life.as_ref().is_some_and(|(life, _)| *life != sent.incarnation) {
+            self.life = None;
+        }
+        &mut self.life.get_or_insert_with(fresh).1
+    }
+
+    fn block(&mut self, seed: u64, sent: &Sent) -> Block {
+        *self.state(seed, sent).draws.block(sent.sequence)
+    }
+}
+
+fn damaged(bytes: &[u8], block: &Block) -> Arc<[u8]> {
+    let mut bytes = bytes.to_vec();
+    damage(&mut bytes, block);
+    bytes.into()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::config::{ChannelConfig, DelayConfig, LossConfig};
-    use crate::fate::tests::sent;
-
-    #[test]
-    fn messages_arrive_in_order_and_are_counted() {
-        let radio = ChannelConfig {
-            loss: LossConfig::Iid { p: 0.5 },
-            delay: DelayConfig::Constant { mean_s: 0.25 },
-            ..Default::default()
-        };
-        let mut links = Links::new(&NetemConfig { radio }, 1);
-        for sequence in 0..100 {
-            links.send(&sent(sequence), Arc::from([0u8; 10]));
-            assert!(links.counters().conserved());
-        }
-        assert_eq!(links.receive(SimTime::from_seconds(1.2)), None);
-        let in_flight = links.counters().in_flight;
-        let arrived = std::iter::from_fn(|| links.receive(SimTime::from_seconds(1.25))).count();
-        assert_eq!(arrived as u64, in_flight);
-        assert!((20..80).contains(&arrived));
-        let counters = links.counters();
-        assert!(counters.conserved());
-        assert_eq!((counters.in_flight, counters.bytes_sent), (0, 1000));
-    }
-}
+mod tests;

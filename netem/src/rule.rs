@@ -1,131 +1,154 @@
-//! One rule, one verdict; the chain of rules of a channel.
+//! One rule, one verdict; the rules of a channel in their order.
 
-use csat_proto::time::SimTime;
-use serde::Serialize;
+use std::sync::Arc;
 
-use crate::config::{ChannelConfig, DelayConfig, LossConfig};
-use crate::fate::{Purpose, Sent, uniform};
+use csat_proto::ids::ChannelId;
 
-/// Why a message was lost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Reason {
-    /// Too far.
-    Range,
-    /// Random loss.
-    Loss,
-}
+pub use crate::fate::{Delivery, Fate, Reason};
 
-/// What becomes of a message: when it arrives, or why it does not.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fate {
-    /// It arrives then.
-    Delivered(SimTime),
-    /// It is lost.
-    Lost(Reason),
-}
+use crate::chain::Chain;
+use crate::config::{ChannelConfig, NetemConfig};
+use crate::delay::{Delay, Scores};
+use crate::draw::{Block, Draws};
+use crate::fate::Sent;
+use crate::jam::Jamming;
+use crate::loss::{Loss, LossState};
+use crate::outage::SourceOutage;
+use crate::partition::Partitions;
+use crate::propagation::{Obstruction, Propagation, Shadowing};
+use crate::range::Range;
+use crate::rate::Departure;
+use crate::repeat::{Corruption, Duplication};
 
-/// A rule of a channel. Rules are asked in a fixed order; the first that loses a message names the
-/// reason, and what they add to its delay adds up.
+/// A rule of a channel: parameters only. What changes from message to message lives in
+/// [`LinkState`], so that parameters may be replaced at any time.
 pub trait Rule: Send + Sync {
-    /// The delay that this rule adds, in seconds, or why the message is lost.
-    fn judge(&self, sent: &Sent) -> Result<f64, Reason>;
+    /// Writes what it does to the message into `case`, or says why the message is lost.
+    ///
+    /// # Errors
+    /// The reason of the loss.
+    fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason>;
 }
 
-struct Range {
-    range_m: f64,
+/// A message before the rules, and what they made of it so far.
+pub struct Case<'a> {
+    /// The message.
+    pub sent: &'a Sent,
+    /// Its random numbers.
+    pub block: Block,
+    /// What its link remembers.
+    pub link: &'a mut LinkState,
+    /// When it leaves the sender's queue: the same for all receivers.
+    pub departure: Departure,
+    /// Whether it arrives damaged.
+    pub corrupted: bool,
+    /// Whether it arrives twice.
+    pub duplicated: bool,
+    /// Seconds until it arrives, and until its copy does.
+    pub delays_s: [f64; 2],
 }
 
-impl Rule for Range {
-    fn judge(&self, sent: &Sent) -> Result<f64, Reason> {
-        if sent.distance_m() <= self.range_m { Ok(0.0) } else { Err(Reason::Range) }
+/// What one life of a link remembers. All of it can be computed again from the seed.
+#[derive(Debug, Clone)]
+pub struct LinkState {
+    /// The seed of the run.
+    pub seed: u64,
+    /// The random numbers of its messages.
+    pub draws: Draws,
+    /// Where its losses are.
+    pub loss: Chain<LossState>,
+    /// Where its delays are.
+    pub delay: Chain<Scores>,
+    /// The shadowing at the latest place.
+    pub shadowing: Option<Shadowing>,
+    /// What distinguishes it from other links in all its lives.
+    pub own_bits: u64,
+}
+
+impl LinkState {
+    /// The link that `sent` passes, before its first message.
+    pub fn new(seed: u64, sent: &Sent) -> Self {
+        Self {
+            seed,
+            draws: Draws::of_messages(seed, sent),
+            loss: Chain::default(),
+            delay: Chain::default(),
+            shadowing: None,
+            own_bits: crate::draw::of_link(seed, sent),
+        }
     }
 }
 
-struct IidLoss {
-    seed: u64,
-    p: f64,
+/// The rules of one channel, in the order of `spec/links.md`; those that can do nothing are left
+/// out. The receiver's outage is not here: it is asked last, for each copy when it arrives.
+pub fn rules(
+    config: &NetemConfig,
+    id: ChannelId,
+    channel: &ChannelConfig,
+    obstruction: Option<&Arc<dyn Obstruction>>,
+) -> Vec<Box<dyn Rule>> {
+    let jamming = Jamming::new(config, id);
+    let all: [Option<Box<dyn Rule>>; 10] = [
+        boxed(SourceOutage::new(config)),
+        boxed(Partitions::new(config)),
+        boxed(Range::new(channel)),
+        boxed(Propagation::new(channel, obstruction)),
+        boxed(jamming),
+        boxed(Loss::new(channel)),
+        boxed(Corruption::new(channel)),
+        boxed(Duplication::new(channel)),
+        boxed(Some(crate::rate::Queue)),
+        boxed(Delay::new(channel)),
+    ];
+    all.into_iter().flatten().collect()
 }
 
-impl Rule for IidLoss {
-    fn judge(&self, sent: &Sent) -> Result<f64, Reason> {
-        let lost = uniform(self.seed, sent, Purpose::Loss) < self.p;
-        if lost { Err(Reason::Loss) } else { Ok(0.0) }
-    }
+fn boxed<R: Rule + 'static>(rule: Option<R>) -> Option<Box<dyn Rule>> {
+    rule.map(|rule| Box::new(rule) as Box<dyn Rule>)
 }
 
-struct ConstantDelay {
-    seconds: f64,
-}
-
-impl Rule for ConstantDelay {
-    fn judge(&self, _: &Sent) -> Result<f64, Reason> {
-        Ok(self.seconds)
-    }
-}
-
-/// The rules of one channel, in the order of `spec/links.md`; those that can do nothing are left out.
-pub fn rules(config: &ChannelConfig, seed: u64) -> Vec<Box<dyn Rule>> {
-    let mut rules: Vec<Box<dyn Rule>> = Vec::new();
-    if config.range_m.is_finite() {
-        rules.push(Box::new(Range { range_m: config.range_m }));
-    }
-    let LossConfig::Iid { p } = config.loss;
-    if p > 0.0 {
-        rules.push(Box::new(IidLoss { seed, p }));
-    }
-    let DelayConfig::Constant { mean_s } = config.delay;
-    if mean_s > 0.0 {
-        rules.push(Box::new(ConstantDelay { seconds: mean_s }));
-    }
-    rules
-}
-
-/// The fate of a message under `rules`.
-pub fn fate(rules: &[Box<dyn Rule>], sent: &Sent) -> Fate {
-    let delays: Result<Vec<f64>, Reason> = rules.iter().map(|rule| rule.judge(sent)).collect();
-    match delays {
-        Ok(delays) => Fate::Delivered(sent.time.after(delays.iter().sum())),
-        Err(reason) => Fate::Lost(reason),
-    }
+/// Asks the rules in order; the first one that loses the message names the reason. A message that
+/// is lost after it was duplicated is lost with its copy.
+pub fn judge(rules: &[Box<dyn Rule>], case: &mut Case<'_>) -> Result<(), Reason> {
+    rules.iter().try_for_each(|rule| rule.judge(case))
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
-    use crate::fate::tests::sent;
 
-    fn fate_under(config: &ChannelConfig, sequence: u64) -> Fate {
-        fate(&rules(config, 3), &sent(sequence))
+    /// What one rule makes of a message on a fresh link.
+    pub(crate) fn judge_alone(
+        rule: &dyn Rule,
+        sent: &Sent,
+    ) -> Result<(bool, bool, [f64; 2]), Reason> {
+        judge_on(rule, sent, &mut LinkState::new(3, sent))
     }
 
-    #[test]
-    fn a_perfect_channel_delivers_at_once() {
-        assert_eq!(fate_under(&ChannelConfig::default(), 0), Fate::Delivered(sent(0).time));
-    }
-
-    #[test]
-    fn range_is_a_disc_in_space() {
-        // The ends are 50 m apart.
-        let within = ChannelConfig { range_m: 50.0, ..Default::default() };
-        let beyond = ChannelConfig { range_m: 49.9, ..Default::default() };
-        assert_eq!(fate_under(&within, 0), Fate::Delivered(sent(0).time));
-        assert_eq!(fate_under(&beyond, 0), Fate::Lost(Reason::Range));
-    }
-
-    #[test]
-    fn loss_has_its_rate_and_delay_its_length() {
-        let config = ChannelConfig {
-            loss: LossConfig::Iid { p: 0.3 },
-            delay: DelayConfig::Constant { mean_s: 1.5 },
-            ..Default::default()
+    /// What one rule makes of a message on a link.
+    pub(crate) fn judge_on(
+        rule: &dyn Rule,
+        sent: &Sent,
+        link: &mut LinkState,
+    ) -> Result<(bool, bool, [f64; 2]), Reason> {
+        let block = *link.draws.block(sent.sequence);
+        let mut case = Case {
+            sent,
+            block,
+            link,
+            departure: Departure::After(0.0),
+            corrupted: false,
+            duplicated: false,
+            delays_s: [0.0; 2],
         };
-        let n = 20_000;
-        let fates: Vec<Fate> = (0..n).map(|i| fate_under(&config, i)).collect();
-        let lost = fates.iter().filter(|f| **f == Fate::Lost(Reason::Loss)).count() as f64;
-        let sigma = (0.3f64 * 0.7 / n as f64).sqrt();
-        assert!((lost / n as f64 - 0.3).abs() < 4.0 * sigma);
-        let arrival = Fate::Delivered(SimTime::from_seconds(2.5));
-        assert!(fates.iter().all(|f| *f == arrival || *f == Fate::Lost(Reason::Loss)));
+        rule.judge(&mut case)?;
+        Ok((case.corrupted, case.duplicated, case.delays_s))
+    }
+
+    /// The share of messages 0..n of one link that a rule loses.
+    pub(crate) fn loss_share(rule: &dyn Rule, n: u64, sent: impl Fn(u64) -> Sent) -> f64 {
+        let mut link = LinkState::new(3, &sent(0));
+        let lost = (0..n).filter(|&i| judge_on(rule, &sent(i), &mut link).is_err()).count();
+        lost as f64 / n as f64
     }
 }

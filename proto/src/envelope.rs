@@ -58,6 +58,12 @@ pub enum EnvelopeError {
     Pose,
 }
 
+/// The checksum of an encoded envelope's content, as its header says it; 0 if there is none.
+pub fn checksum(bytes: &[u8]) -> u32 {
+    let stated = bytes.strip_prefix(&MAGIC).and_then(<[u8]>::first_chunk::<4>);
+    stated.map_or(0, |checksum| u32::from_le_bytes(*checksum))
+}
+
 impl Envelope {
     /// An upper bound on what surrounds a body, in bytes.
     pub const HEADER_BYTES_MAX: usize = 128;

@@ -10,6 +10,7 @@
 //! | [`frame`] | what a camera and its computer-vision system report |
 //! | [`region`] | planar sets on an integer grid |
 //! | [`raster`] | coarse planar sets as bit rows, for what needs no guarantee |
+//! | [`oem`] | cells of the occupancy-elevation map |
 //! | [`message`] | what agents of the set-membership mission say |
 //! | [`envelope`] | how any message travels: header, checksum, body |
 //! | [`agent`] | the interface of a sans-I/O agent |
@@ -24,6 +25,7 @@ pub mod frame;
 pub mod ids;
 pub mod message;
 pub mod model;
+pub mod oem;
 pub mod raster;
 pub mod region;
 pub mod time;

@@ -6,53 +6,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Pose;
-use crate::ids::TargetId;
+use crate::ids::{AgentId, Incarnation, TargetId};
+use crate::oem::OemPatch;
 use crate::raster::Raster;
 use crate::region::Region;
 use crate::time::Step;
-
-/// The state of a cell of the occupancy-elevation map.
-///
-/// Cells form a join-semilattice: Unexplored < Occupied(h) < Empty, Occupied joins by the greater
-/// height (paper §VI-C); heights are decimetres so that equal knowledge is equal bits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum OemCell {
-    /// Nothing known.
-    Unexplored,
-    /// An obstacle at most this high was seen there, in decimetres.
-    Occupied {
-        /// Greatest possible height, decimetres.
-        height_dm: u16,
-    },
-    /// Only ground was seen there.
-    Empty,
-}
-
-impl OemCell {
-    /// The least upper bound of two states.
-    pub fn join(self, other: Self) -> Self {
-        // The derived order *is* the lattice order: it is total.
-        self.max(other)
-    }
-
-    /// A number that tells states apart and keeps their order, for hashes.
-    pub fn code(self) -> u32 {
-        match self {
-            Self::Unexplored => 0,
-            Self::Occupied { height_dm } => 1 + u32::from(height_dm),
-            Self::Empty => u32::MAX,
-        }
-    }
-}
-
-/// A cell of the OEM that changed, by its row-major index.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct OemDelta {
-    /// Row-major index of the cell.
-    pub cell: u32,
-    /// Its state.
-    pub state: OemCell,
-}
 
 /// An identified target in one frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -65,11 +23,36 @@ pub struct TargetFact {
     pub exclusion: Region,
 }
 
+/// How many facts of one life of one agent somebody holds, without gaps from its first one on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct HeldFacts {
+    /// Whose facts.
+    pub origin: AgentId,
+    /// Of which life.
+    pub incarnation: Incarnation,
+    /// How many: those numbered 0 to `count` - 1.
+    pub count: u32,
+}
+
+/// What the sender holds, for others to see what it lacks (`spec/links.md`, "What to say, how
+/// often"). Empty in modes that repair nothing.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Digest {
+    /// Facts that its knowledge contains, by increasing origin and incarnation.
+    pub facts: Vec<HeldFacts>,
+    /// A hash of each block of its OEM, row-major.
+    pub oem: Vec<u16>,
+}
+
 /// What the sender measured in one frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fact {
     /// The step of the frame.
     pub step: Step,
+    /// How many facts the sender stated before in this life.
+    pub number: u32,
+    /// What the sender held before this frame.
+    pub held: Digest,
     /// C (4.6), inner: no target location is in it.
     pub clear_ground: Region,
     /// S° (4.12), inner: near an obstacle, never a target location. Only what is new to the sender.
@@ -80,14 +63,15 @@ pub struct Fact {
     pub hidden: Raster,
     /// Ground seen in this frame, on the same grid: it ends being hidden (5.43).
     pub seen: Raster,
-    /// Cells of the OEM that this frame changed for the sender.
-    pub oem: Vec<OemDelta>,
+    /// Cells of the OEM by increasing index: those that this frame changed for the sender, and those
+    /// that others lack.
+    pub oem: OemPatch,
 }
 
-/// What the sender knew at one step.
+/// What the sender knew before a frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Snapshot {
-    /// The step.
+pub struct Known {
+    /// The step it knew this at: the one before the frame's, or the frame's own if it was the first.
     pub step: Step,
     /// L and X_j, by increasing index, outer.
     pub targets: Vec<(TargetId, Region)>,
@@ -95,12 +79,15 @@ pub struct Snapshot {
     pub unexplored: Region,
     /// X°, inner.
     pub obstacle_margin: Region,
-    /// That step's H^CVS.
-    pub hidden: Raster,
-    /// Ground seen in that step.
-    pub seen: Raster,
-    /// All cells of the OEM that are not Unexplored.
-    pub oem: Vec<OemDelta>,
+}
+
+/// One frame's measurements and everything that was known before.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    /// The frame. [`Fact::held`] lists the facts that `known` contains.
+    pub fact: Fact,
+    /// The rest.
+    pub known: Known,
 }
 
 /// Where the sender intends to fly (thesis §5.3.2).
@@ -115,37 +102,13 @@ pub struct Plan {
 }
 
 /// The body of an envelope.
+#[expect(clippy::large_enum_variant, reason = "a message is decoded, applied and gone")]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Message {
     /// One frame's measurements.
     Fact(Fact),
-    /// All knowledge.
-    Snapshot(Snapshot),
+    /// One frame's measurements and all knowledge.
+    Snapshot(Box<Snapshot>),
     /// A flight plan.
     Plan(Plan),
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn oem_join_is_commutative_associative_and_idempotent() {
-        let states = [
-            OemCell::Unexplored,
-            OemCell::Occupied { height_dm: 30 },
-            OemCell::Occupied { height_dm: 200 },
-            OemCell::Empty,
-        ];
-        for a in states {
-            assert_eq!(a.join(a), a);
-            for b in states {
-                assert_eq!(a.join(b), b.join(a));
-                for c in states {
-                    assert_eq!(a.join(b).join(c), a.join(b.join(c)));
-                }
-            }
-        }
-        assert_eq!(OemCell::Occupied { height_dm: 450 }.join(OemCell::Empty), OemCell::Empty);
-    }
 }

@@ -336,7 +336,9 @@ impl<'de> Deserialize<'de> for Raster {
         use serde::de::Error;
         let (grid, runs) = <(Grid, Vec<u32>)>::deserialize(deserializer)?;
         let cells = u64::from(grid.columns) * u64::from(grid.rows);
-        if !(grid.cell_m.is_finite() && grid.cell_m > 0.0) || cells == 0 || cells > MAX_CELLS {
+        // Rows are whole words: a narrow grid would take up to 64 times the memory of its cells.
+        let room = u64::from(grid.columns).next_multiple_of(64) * u64::from(grid.rows);
+        if !(grid.cell_m.is_finite() && grid.cell_m > 0.0) || cells == 0 || room > MAX_CELLS {
             return Err(D::Error::custom("raster grid of an impossible size"));
         }
         if runs.iter().map(|&r| u64::from(r)).sum::<u64>() > cells {

@@ -7,7 +7,7 @@ use csat_experiments::scenario::Scenario;
 use csat_experiments::set_membership::SetMembership;
 use csat_proto::command::YawCommand;
 use csat_proto::frame::Frame;
-use csat_proto::ids::AgentId;
+use csat_proto::ids::{AgentId, Incarnation};
 use csat_world::camera::Renderer;
 use csat_world::world::World;
 
@@ -38,7 +38,8 @@ impl Flight {
     /// When the scenario has no world.
     pub fn new(scenario: &Scenario) -> Self {
         let mission = SetMembership::new(scenario);
-        let agents = (0..scenario.agents.count).map(|i| mission.agent(AgentId(i))).collect();
+        let agents =
+            (0..scenario.agents.count).map(|i| mission.agent(AgentId(i), Incarnation(0))).collect();
         let world = world_of(scenario).unwrap_or_else(|e| panic!("seed {}: {e}", scenario.seed));
         Self {
             renderers: vec![Renderer::new(scenario.camera); world.poses().len()],

@@ -8,12 +8,16 @@
 //! | [`truth`] | what a frame's sets and an agent's knowledge must say about a scene |
 //! | [`pair`] | agents and a post office that loses, delays, repeats and reorders |
 //! | [`flight`] | a small world around a pair |
+//! | [`swarm`] | missions with every fault, drawn from one seed, and what must hold in them |
+//! | [`fuzz`] | what fuzzers do with arbitrary bytes |
 //! | [`missions`] | whole missions through the engine |
 
 pub mod flight;
+pub mod fuzz;
 pub mod geometry;
 pub mod missions;
 pub mod pair;
 pub mod replay;
 pub mod scenes;
+pub mod swarm;
 pub mod truth;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use csat_agent::config::{AgentConfig, EstimatorConfig, ExchangeConfig, GuidanceConfig};
+use csat_agent::config::{AgentConfig, Channels, EstimatorConfig, ExchangeConfig, GuidanceConfig};
 use csat_proto::camera::{Assumption, CameraModel, Pose};
 use csat_proto::frame::{Frame, Label};
 use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
@@ -111,6 +111,7 @@ fn config(rng: &mut ChaCha8Rng) -> AgentConfig {
         estimator,
         guidance: GuidanceConfig::default(),
         exchange: ExchangeConfig::default(),
+        channels: Channels::default(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use csat_agent::estimate::state::Knowledge;
 use csat_agent::sense::Measured;
-use csat_proto::message::OemCell;
+use csat_proto::oem::OemCell;
 use csat_world::target::TargetTruth;
 use csat_world::truth::GUARANTEE_TOLERANCE_M;
 use rand::SeedableRng;

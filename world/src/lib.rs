@@ -5,6 +5,7 @@ pub mod camera;
 pub mod map;
 pub mod obstacle;
 mod plane;
+pub mod radio;
 mod random;
 pub mod road;
 pub mod scene;

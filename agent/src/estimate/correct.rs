@@ -1,64 +1,59 @@
-//! Correction with the own frame (4.28)-(4.33).
+//! Correction with what frames prove (4.28)-(4.33): the own one and those of the others.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use csat_proto::ids::TargetId;
-use csat_proto::message::OemDelta;
 
+use super::evidence::Evidence;
 use super::predict::Predicted;
 use super::state::Knowledge;
-use crate::region::Outer;
-use crate::sense::Measured;
+use crate::mutant::{Mutant, is_on};
+use crate::region::{Inner, Outer};
+use crate::sense::MeasuredTarget;
 
-/// What a correction changed besides the sets.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Changes {
-    /// Targets identified for the first time.
-    pub identified: Vec<TargetId>,
-    /// Targets whose set had become empty and was restarted.
-    pub inconsistent: Vec<TargetId>,
-    /// Cells of the OEM that changed, with their new state.
-    pub oem: Vec<OemDelta>,
+/// Corrects predicted knowledge.
+///
+/// Every detection meets the set as predicted before anything is excluded from any: a detection must
+/// not meet an X̄ from which its own exclusion was taken already.
+pub(super) fn correct(knowledge: &mut Knowledge, predicted: &Predicted, evidence: &[Evidence]) {
+    knowledge.learn_margin(evidence.iter().map(|e| &e.obstacle_margin)); // (4.28)
+    let margin = &knowledge.margin;
+    let seen = || evidence.iter().flat_map(|e| &e.targets);
+    let disproved = |target: Option<TargetId>| {
+        let exclusions = seen().filter(move |s| applies_to(s, target)).map(|s| &s.exclusion);
+        // X° is simplified whenever it grows; with the parts as they came order does not matter.
+        let parts = evidence.iter().flat_map(|e| [&e.clear_ground, &e.obstacle_margin]);
+        parts.chain([margin]).chain(exclusions).collect::<Vec<&Inner>>()
+    };
+    let mut known: BTreeSet<TargetId> =
+        predicted.targets.keys().copied().chain(seen().map(|s| s.target)).collect();
+    if is_on(Mutant::ExclusionWithoutDetection) {
+        known.retain(|j| predicted.targets.contains_key(j));
+    }
+    let mut targets: BTreeMap<TargetId, Outer> = BTreeMap::new();
+    for j in known {
+        let before = predicted.targets.get(&j);
+        let mut locations = seen().filter(|s| s.target == j).map(|s| &s.location).peekable();
+        let set = match before {
+            Some(set) if locations.peek().is_none() => set.minus(disproved(Some(j))), // (4.30)
+            _ => {
+                // Seen again (4.31), or seen first (4.32): then it was in X̄.
+                let mut set = before.unwrap_or(&predicted.unexplored).resolved();
+                if is_on(Mutant::DetectionAfterExclusion) && before.is_none() {
+                    set = predicted.unexplored.minus(disproved(None));
+                }
+                locations
+                    .fold(set, |set, location| set.intersection(location))
+                    .minus(disproved(Some(j)))
+            }
+        };
+        targets.insert(j, set);
+    }
+    knowledge.unexplored = predicted.unexplored.minus(disproved(None)); // (4.29)
+    knowledge.targets = targets;
 }
 
-/// Corrects predicted knowledge with what the own frame of the same step proves.
-pub fn correct(knowledge: &mut Knowledge, predicted: &Predicted, measured: &Measured) -> Changes {
-    let mut changes = Changes::default();
-    knowledge.learn_margin([&measured.obstacle_margin]);
-    let margin = &knowledge.margin;
-    let disproved = |target: Option<TargetId>| {
-        let others = measured.targets.iter().filter(move |other| Some(other.target) != target);
-        let exclusions = others.map(|other| &other.exclusion);
-        [&measured.clear_ground, margin].into_iter().chain(exclusions)
-    };
-    let mut targets: BTreeMap<TargetId, Outer> = BTreeMap::new();
-    for (&target, set) in &predicted.targets {
-        if !measured.targets.iter().any(|seen| seen.target == target) {
-            targets.insert(target, set.minus(disproved(Some(target)))); // (4.30)
-        }
-    }
-    for seen in &measured.targets {
-        let target = seen.target;
-        // Seen again (4.31), or seen first (4.32): then it was in X̄.
-        let before = predicted.targets.get(&target).unwrap_or_else(|| {
-            changes.identified.push(target);
-            &predicted.unexplored
-        });
-        let set = before.resolved().intersection(&seen.location);
-        targets.insert(target, set.minus(disproved(Some(target))));
-    }
-    let unexplored = predicted.unexplored.minus(disproved(None)); // (4.29)
-    (knowledge.targets, knowledge.unexplored) = (targets, unexplored);
-
-    let mut oem = BTreeMap::new();
-    for &delta in &measured.oem {
-        if knowledge.oem.join(delta) {
-            oem.insert(delta.cell, knowledge.oem.cells()[delta.cell as usize]);
-        }
-    }
-    changes.oem = oem.into_iter().map(|(cell, state)| OemDelta { cell, state }).collect();
-    let step = knowledge.step;
-    knowledge.note_view(step, &measured.hidden, &measured.seen);
-    changes.inconsistent = knowledge.restart_empty_sets();
-    changes
+/// Whether no location of `target`, or of an unidentified one, is in the exclusion of `seen`.
+fn applies_to(seen: &MeasuredTarget, target: Option<TargetId>) -> bool {
+    Some(seen.target) != target || is_on(Mutant::ExclusionOfItself)
 }

@@ -1,15 +1,120 @@
-//! What one UAV knows (`spec/sets.md`): predict, correct with the own frame, fuse what others sent.
+//! What one UAV knows (`spec/sets.md`): predict, then correct with the own frame and with what others
+//! sent.
 //!
 //! | module | equations |
 //! |---|---|
 //! | [`state`] | the sets an agent holds |
+//! | [`evidence`] | what frames prove, own and others', as of now |
+//! | [`fuse`] | (4.34)-(4.37): what others knew |
 //! | [`predict`] | (4.24)-(4.27) |
-//! | [`correct`] | (4.28)-(4.33), (5.43) |
-//! | [`fuse`] | (4.34)-(4.37), (5.44), for facts and snapshots of any age |
+//! | [`correct`] | (4.28)-(4.33): what frames disprove |
 //! | [`oem`] | the occupancy-elevation map |
+//!
+//! All that is known of one step is applied at once and in one order, whoever applies it: agents that
+//! heard the same know the same, to the last bit.
 
-pub mod correct;
-pub mod fuse;
+mod correct;
+pub mod evidence;
+mod fuse;
 pub mod oem;
 pub mod predict;
 pub mod state;
+
+use csat_proto::ids::{AgentId, TargetId};
+use csat_proto::time::Step;
+use tracing::info_span;
+
+use crate::config::AgentConfig;
+use crate::sense::Measured;
+use evidence::{Ager, Evidence, Heard};
+use predict::Predictor;
+use state::Knowledge;
+
+/// Keeps [`Knowledge`] up to date.
+#[derive(Debug, Clone)]
+pub struct Estimator {
+    own: AgentId,
+    ager: Ager,
+    predictor: Predictor,
+}
+
+/// What an update changed besides the sets.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Changes {
+    /// Targets that are known for the first time.
+    pub identified: Vec<TargetId>,
+    /// Targets whose set became empty and was restarted: an assumption failed or somebody lied.
+    pub inconsistent: Vec<TargetId>,
+}
+
+impl Estimator {
+    /// An estimator for the agent of `config`.
+    pub fn new(config: &AgentConfig) -> Self {
+        Self { own: config.id, ager: Ager::new(config), predictor: Predictor::new(config) }
+    }
+
+    /// Takes the knowledge to the step of the own frame, if there is one, and applies it and all that
+    /// was heard. No fact in `heard` may be of a later step.
+    ///
+    /// What others knew is of the steps before, so it is merged before the prediction.
+    pub fn update(
+        &self,
+        knowledge: &mut Knowledge,
+        own: Option<(Step, &Measured)>,
+        mut heard: Vec<Heard>,
+    ) -> Changes {
+        let before: Vec<TargetId> = knowledge.targets.keys().copied().collect();
+        heard.sort_by_key(|h| (h.fact.step, h.src, h.incarnation, h.fact.number));
+        if let Some((step, _)) = own {
+            self.predictor.catch_up(knowledge, step);
+        }
+        info_span!("fuse").in_scope(|| {
+            let known = heard.iter().filter_map(|h| h.known.as_ref());
+            known.for_each(|known| fuse::fuse(knowledge, known, &self.ager));
+        });
+        let predicted = info_span!("estimate").in_scope(|| match own {
+            Some((step, _)) => self.predictor.predict(knowledge, step),
+            None => self.predictor.still(knowledge),
+        });
+        let measured = own.map(|(_, measured)| measured);
+        look(knowledge, measured, &heard);
+        let evidence = info_span!("fuse").in_scope(|| self.evidence(knowledge, measured, heard));
+        info_span!("estimate").in_scope(|| correct::correct(knowledge, &predicted, &evidence));
+        let inconsistent = knowledge.restart_empty_sets();
+        let identified =
+            knowledge.targets.keys().filter(|j| before.binary_search(j).is_err()).copied();
+        Changes { identified: identified.collect(), inconsistent }
+    }
+
+    /// All evidence about the step of the knowledge, oldest first and by sender.
+    fn evidence(
+        &self,
+        knowledge: &Knowledge,
+        own: Option<&Measured>,
+        heard: Vec<Heard>,
+    ) -> Vec<Evidence> {
+        let now = knowledge.step;
+        let known = heard.iter().filter_map(|h| h.known.as_ref());
+        let margins: Vec<_> = known.map(|known| fuse::margin_news(knowledge, known)).collect();
+        let fresh = own.map(|measured| ((now, self.own), Evidence::fresh(measured)));
+        let aged =
+            heard.into_iter().map(|h| ((h.fact.step, h.src), self.ager.evidence(h.fact, now)));
+        let mut evidence: Vec<_> = aged.chain(fresh).collect();
+        evidence.sort_by_key(|(stamp, _)| *stamp);
+        margins.into_iter().chain(evidence.into_iter().map(|(_, evidence)| evidence)).collect()
+    }
+}
+
+/// What is hidden, and what the map says: coarse, and without an order.
+fn look(knowledge: &mut Knowledge, own: Option<&Measured>, heard: &[Heard]) {
+    let now = knowledge.step;
+    if let Some(Measured { hidden, seen, .. }) = own {
+        knowledge.note_view(now, hidden, seen);
+    }
+    for fact in heard.iter().map(|h| &h.fact) {
+        knowledge.note_view(fact.step, &fact.hidden, &fact.seen);
+        fact.oem.deltas().for_each(|delta| {
+            knowledge.oem.join(delta);
+        });
+    }
+}

@@ -1,7 +1,15 @@
 //! The occupancy-elevation map M_i (thesis §4.6, paper §VI-C).
 
-use csat_proto::message::{OemCell, OemDelta};
+use std::collections::BTreeSet;
+
+use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::Grid;
+use xxhash_rust::xxh3::Xxh3Default;
+
+use crate::mutant::{Mutant, is_on};
+
+/// Cells along a side of a block, the unit that is compared and repaired.
+pub const BLOCK: usize = 16;
 
 /// Square cells that are Unexplored, Occupied up to a height, or Empty. Merging is a join per cell,
 /// so deltas may arrive in any order and more than once.
@@ -30,7 +38,10 @@ impl Oem {
     /// Joins a state into a cell; true if the cell changed. Cells outside the map are ignored.
     pub fn join(&mut self, delta: OemDelta) -> bool {
         let Some(cell) = self.cells.get_mut(delta.cell as usize) else { return false };
-        let joined = cell.join(delta.state);
+        let joined = match is_on(Mutant::OemLastWriter) {
+            true => delta.state,
+            false => cell.join(delta.state),
+        };
         std::mem::replace(cell, joined) != joined
     }
 
@@ -43,10 +54,69 @@ impl Oem {
     }
 
     /// Every cell that is not Unexplored.
-    pub fn known(&self) -> Vec<OemDelta> {
-        let known = |(cell, &state): (usize, &OemCell)| {
-            (state != OemCell::Unexplored).then_some(OemDelta { cell: cell as u32, state })
-        };
-        self.cells.iter().enumerate().filter_map(known).collect()
+    pub fn known(&self) -> impl Iterator<Item = OemDelta> + '_ {
+        self.cells.iter().enumerate().filter_map(known)
+    }
+
+    /// The cells of some blocks that are not Unexplored, by increasing index.
+    pub fn known_in(&self, blocks: &BTreeSet<usize>) -> impl Iterator<Item = OemDelta> {
+        self.known().filter(|delta| blocks.contains(&self.block_of(delta.cell as usize)))
+    }
+
+    /// Number of blocks of [`BLOCK`] x [`BLOCK`] cells, those at the border smaller.
+    pub fn blocks(grid: &Grid) -> usize {
+        (grid.columns as usize).div_ceil(BLOCK) * (grid.rows as usize).div_ceil(BLOCK)
+    }
+
+    /// A hash of each block of [`BLOCK`] x [`BLOCK`] cells, row-major: equal blocks have equal
+    /// hashes, and different ones hardly ever.
+    pub fn block_hashes(&self) -> Vec<u16> {
+        let columns = self.grid.columns as usize;
+        let mut hashers = vec![Xxh3Default::new(); Self::blocks(&self.grid)];
+        for (row, cells) in self.cells.chunks(columns).enumerate() {
+            for (column, part) in cells.chunks(BLOCK).enumerate() {
+                let hasher = &mut hashers[row / BLOCK * self.blocks_per_row() + column];
+                part.iter().for_each(|state| hasher.update(&state.code().to_le_bytes()));
+            }
+        }
+        hashers.iter().map(|hasher| hasher.digest() as u16).collect()
+    }
+
+    fn blocks_per_row(&self) -> usize {
+        (self.grid.columns as usize).div_ceil(BLOCK)
+    }
+
+    fn block_of(&self, cell: usize) -> usize {
+        let columns = self.grid.columns as usize;
+        cell / columns / BLOCK * self.blocks_per_row() + cell % columns / BLOCK
+    }
+}
+
+fn known((cell, &state): (usize, &OemCell)) -> Option<OemDelta> {
+    (state != OemCell::Unexplored).then_some(OemDelta { cell: cell as u32, state })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use csat_proto::model::Ground;
+
+    #[test]
+    fn a_block_hash_tells_of_its_own_cells() {
+        // 40 x 21 cells: 3 x 2 blocks.
+        let grid = Grid::covering(&Ground { size_m: [200.0, 105.0] }, 5.0);
+        let start = Oem::unexplored(grid);
+        let before = start.block_hashes();
+        assert_eq!(before.len(), 6);
+        for (column, row, block) in [(0, 0, 0), (15, 15, 0), (16, 0, 1), (39, 15, 2), (33, 20, 5)] {
+            let mut oem = start.clone();
+            let cell = grid.index(column, row) as u32;
+            assert!(oem.join(OemDelta { cell, state: OemCell::Empty }));
+            let after = oem.block_hashes();
+            let changed: Vec<usize> = (0..6).filter(|&b| before[b] != after[b]).collect();
+            assert_eq!(changed, [block]);
+            assert_eq!(oem.known_in(&BTreeSet::from([block])).count(), 1);
+            assert_eq!(oem.known_in(&BTreeSet::from([(block + 1) % 6])).count(), 0);
+        }
     }
 }

@@ -7,7 +7,12 @@ use csat_proto::time::Step;
 
 use super::state::Knowledge;
 use crate::config::AgentConfig;
+use crate::mutant::{Mutant, is_on};
 use crate::region::{Disc, Grown, Outer};
+
+/// What is smaller than this is gone before a set grows, metres: sets that are the same but for
+/// rounding, as those of two agents are, leave slivers where they meet.
+const SLIVER_M: f64 = 1e-3;
 
 /// The sets of step k, predicted from step k-1 (4.24)-(4.26).
 #[derive(Debug, Clone)]
@@ -34,28 +39,46 @@ impl Predictor {
         let radius_m = config.targets.v_max_m_s * config.period_s;
         Self {
             reach: Disc::circumscribed(radius_m, config.estimator.disc_vertices),
-            simplify_m: config.estimator.simplify_m,
+            simplify_m: config.estimator.simplify_m.max(SLIVER_M),
             hidden_steps: (horizon_s / config.period_s).round() as u32,
+        }
+    }
+
+    /// Takes the knowledge to the step before `step`.
+    ///
+    /// An agent that missed frames grows its sets for each of them: the targets moved all the same.
+    pub fn catch_up(&self, knowledge: &mut Knowledge, step: Step) {
+        while knowledge.step.0 + 1 < step.0 {
+            let Predicted { targets, unexplored } = self.grown(knowledge);
+            knowledge.targets = targets.iter().map(|(&j, set)| (j, set.resolved())).collect();
+            knowledge.unexplored = unexplored.resolved();
+            knowledge.step.0 += 1;
         }
     }
 
     /// Takes the knowledge to `step`, to be corrected there: its sets still are those of the step
     /// before until then, and its X° stays (4.27).
-    ///
-    /// An agent that missed frames grows its sets for each of them: the targets moved all the same.
     pub fn predict(&self, knowledge: &mut Knowledge, step: Step) -> Predicted {
-        let missed = step.0.saturating_sub(knowledge.step.0 + 1);
-        for _ in 0..missed {
-            let Predicted { targets, unexplored } = self.grown(knowledge);
-            knowledge.targets = targets.iter().map(|(&j, set)| (j, set.resolved())).collect();
-            knowledge.unexplored = unexplored.resolved();
-        }
+        self.catch_up(knowledge, step);
         // The first frame is of the step that the knowledge starts at: nothing has moved yet.
-        let predicted =
-            if step > knowledge.step { self.grown(knowledge) } else { still(knowledge) };
+        let predicted = if step > knowledge.step && !is_on(Mutant::NoPrediction) {
+            self.grown(knowledge)
+        } else {
+            self.still(knowledge)
+        };
         knowledge.step = knowledge.step.max(step);
         knowledge.forget_views_before(Step((step.0 + 1).saturating_sub(self.hidden_steps)));
         predicted
+    }
+
+    /// The knowledge as it is.
+    pub fn still(&self, knowledge: &Knowledge) -> Predicted {
+        let still = |set: &Outer| Grown::still(set, knowledge.ground());
+        let targets = knowledge.targets.iter();
+        Predicted {
+            targets: targets.map(|(&j, set)| (j, still(set))).collect(),
+            unexplored: still(&knowledge.unexplored),
+        }
     }
 
     fn grown(&self, knowledge: &Knowledge) -> Predicted {
@@ -65,14 +88,5 @@ impl Predictor {
             targets: targets.map(|(&j, set)| (j, grown(set))).collect(),
             unexplored: grown(&knowledge.unexplored),
         }
-    }
-}
-
-fn still(knowledge: &Knowledge) -> Predicted {
-    let still = |set: &Outer| Grown::still(set, knowledge.ground());
-    let targets = knowledge.targets.iter();
-    Predicted {
-        targets: targets.map(|(&j, set)| (j, still(set))).collect(),
-        unexplored: still(&knowledge.unexplored),
     }
 }

@@ -1,6 +1,20 @@
 //! What is said to the other agents, and what of theirs is believed (`spec/sets.md` §4,
 //! `spec/links.md`, "Receiving" and "What to say, how often").
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`outbox`] | what to say, and how often |
+//! | [`budget`] | making it fit a budget of bytes |
+//! | [`repair`] | who lacks what, and whose turn it is to help |
+//! | [`held`] | which facts the own knowledge contains |
+//! | [`inbox`] | what arrived and waits to be applied |
+//! | [`validate`] | what is checked before anything is believed |
+//! | [`crossing`] | whether received rings cross |
 
+pub mod budget;
+pub mod crossing;
+pub mod held;
 pub mod inbox;
 pub mod outbox;
+pub mod repair;
 pub mod validate;

@@ -1,34 +1,74 @@
 //! What to say, and how often.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use csat_proto::agent::Transmit;
 use csat_proto::camera::Pose;
 use csat_proto::envelope::Envelope;
-use csat_proto::ids::ChannelId;
-use csat_proto::message::{Fact, Message, Plan, Snapshot, TargetFact};
+use csat_proto::ids::{ChannelId, Incarnation};
+use csat_proto::message::{Digest, Fact, Known, Message, Plan, Snapshot, TargetFact};
+use csat_proto::oem::{OemCell, OemDelta, OemPatch};
 use csat_proto::time::{SimTime, Step};
 
-use crate::config::{AgentConfig, ExchangeMode};
-use crate::estimate::correct::Changes;
+use super::budget::{Shortener, fit};
+use super::repair::Repair;
+use crate::config::{AgentConfig, ExchangeConfig, ExchangeMode};
 use crate::estimate::state::Knowledge;
+use crate::mutant::{Mutant, is_on};
 use crate::sense::Measured;
+
+/// The share of its allowance per step that a fact may use where snapshots must be saved for.
+const FACT_SHARE: f64 = 0.75;
+/// Steps until a snapshot that did not fit is tried again.
+const RETRY_STEPS: u32 = 4;
+
+/// What an agent has to tell of one step.
+#[derive(Debug, Clone)]
+pub struct Account<'a> {
+    /// When it tells.
+    pub now: SimTime,
+    /// The step of the frame.
+    pub step: Step,
+    /// Where the camera was.
+    pub pose: Pose,
+    /// What the frame proved.
+    pub measured: &'a Measured,
+    /// Cells of the OEM that the frame changed.
+    pub changed: BTreeMap<u32, OemCell>,
+    /// What the agent knew before; the OEM with the frame's cells.
+    pub knowledge: &'a Knowledge,
+    /// What it held before.
+    pub held: Digest,
+    /// Where UAVs are, as far as the agent knows, metres.
+    pub uavs: Vec<[f64; 2]>,
+}
 
 /// Messages waiting to be sent, and the numbering of those that were.
 #[derive(Debug, Clone)]
 pub struct Outbox {
     config: AgentConfig,
-    sequence: u64,
+    sequences: BTreeMap<ChannelId, u64>,
+    facts_said: u32,
     next_snapshot: Step,
+    /// Bytes that may be said now; plans are said anyway and may make it negative.
+    credit: f64,
+    withheld: u64,
     queue: VecDeque<Transmit>,
 }
 
 impl Outbox {
     /// An outbox that has sent nothing.
     pub fn new(config: &AgentConfig) -> Self {
-        // Agents take turns, so that not all snapshots fall into the same step.
-        let next_snapshot = Step(u32::from(config.id.0) + 1);
-        Self { config: config.clone(), sequence: 0, next_snapshot, queue: VecDeque::new() }
+        Self {
+            config: config.clone(),
+            sequences: BTreeMap::new(),
+            facts_said: 0,
+            // Agents take turns, so that not all snapshots fall into the same step.
+            next_snapshot: Step(u32::from(config.id.0) + 1),
+            credit: 0.0,
+            withheld: 0,
+            queue: VecDeque::new(),
+        }
     }
 
     /// The next message to send.
@@ -36,86 +76,164 @@ impl Outbox {
         self.queue.pop_front()
     }
 
-    /// Says what this step's frame proved or what is known after it, as the mode demands.
-    pub fn say_step(
-        &mut self,
-        now: SimTime,
-        pose: Pose,
-        knowledge: &Knowledge,
-        measured: &Measured,
-        changes: &Changes,
-    ) {
-        let mode = self.config.exchange.mode;
-        let step = knowledge.step;
-        let fact = matches!(mode, ExchangeMode::Facts | ExchangeMode::FactsRepair);
-        if fact {
-            self.say(now, step, pose, &Message::Fact(fact_of(step, measured, changes)));
+    /// How many steps were not told of because nothing fitted the budget.
+    pub fn withheld(&self) -> u64 {
+        self.withheld
+    }
+
+    /// How many facts were said, alone or in snapshots.
+    pub fn facts_said(&self) -> u32 {
+        self.facts_said
+    }
+
+    /// Says what this step's frame proved or what is known with it, as the mode demands. Tells
+    /// whether anything was said.
+    pub fn say_step(&mut self, account: &Account<'_>, repair: &mut Repair) -> bool {
+        let ExchangeConfig { mode, budget_bytes_s, snapshot_period_s, .. } =
+            self.config.exchange.clone();
+        if mode == ExchangeMode::None {
+            return false;
         }
-        let snapshot = match mode {
+        let allowance = budget_bytes_s * self.config.period_s;
+        self.credit = (self.credit + allowance).min(budget_bytes_s * snapshot_period_s);
+        let fact = self.fact(account, repair);
+        let wanted = match mode {
             ExchangeMode::Snapshot => true,
-            ExchangeMode::FactsRepair => step >= self.next_snapshot,
+            ExchangeMode::FactsRepair => {
+                account.step >= self.next_snapshot || repair.snapshot_due(account.step)
+            }
             ExchangeMode::None | ExchangeMode::Facts => false,
         };
+        let snapshot = wanted && self.say_snapshot(account, &fact);
         if snapshot {
-            let period_s = self.config.exchange.snapshot_period_s;
-            let steps = (period_s / self.config.period_s).round().max(1.0);
-            self.next_snapshot = Step(step.0 + steps as u32);
-            self.say(now, step, pose, &Message::Snapshot(snapshot_of(knowledge, measured)));
+            repair.snapshot_said(account.step);
+            self.next_snapshot = self.in_steps(account.step, snapshot_period_s);
+        } else if wanted {
+            self.next_snapshot = self.next_snapshot.max(Step(account.step.0 + RETRY_STEPS));
         }
+        let limit = match mode {
+            ExchangeMode::FactsRepair => self.credit.min(FACT_SHARE * allowance),
+            _ => self.credit,
+        };
+        let said =
+            snapshot || (mode != ExchangeMode::Snapshot && self.say_fact(account, &fact, limit));
+        if said {
+            self.facts_said += 1;
+        } else {
+            self.withheld += 1;
+        }
+        said
     }
 
     /// Announces a flight plan.
     pub fn say_plan(&mut self, now: SimTime, pose: Pose, plan: Plan) {
-        self.say(now, plan.step, pose, &Message::Plan(plan));
+        let step = plan.step;
+        let body = encode(&Message::Plan(plan));
+        self.say(self.config.channels.plans, now, step, pose, body);
     }
 
-    fn say(&mut self, time: SimTime, step: Step, pose: Pose, message: &Message) {
-        let channel = ChannelId(0);
+    /// The fact of a frame, in full.
+    fn fact(&self, account: &Account<'_>, repair: &mut Repair) -> Fact {
+        let Account { step, measured, knowledge, held, changed, .. } = account;
+        let oem = match self.config.exchange.mode {
+            ExchangeMode::Snapshot => OemPatch::of(knowledge.oem.known()),
+            ExchangeMode::FactsRepair => {
+                let mut oem = changed.clone();
+                let due = repair.blocks_due(*step);
+                let lacked = knowledge.oem.known_in(&due);
+                oem.extend(lacked.map(|delta| (delta.cell, delta.state)));
+                patch(&oem)
+            }
+            ExchangeMode::None | ExchangeMode::Facts => patch(changed),
+        };
+        let targets = measured.targets.iter().map(|t| TargetFact {
+            target: t.target,
+            location: t.location.region().clone(),
+            exclusion: t.exclusion.region().clone(),
+        });
+        Fact {
+            step: *step,
+            number: self.facts_said,
+            held: held.clone(),
+            clear_ground: measured.clear_ground.region().clone(),
+            obstacle_margin: measured.obstacle_margin.region().clone(),
+            targets: targets.collect(),
+            hidden: measured.hidden.clone(),
+            seen: measured.seen.clone(),
+            oem,
+        }
+    }
+
+    fn say_fact(&mut self, account: &Account<'_>, fact: &Fact, limit: f64) -> bool {
+        let ground = account.knowledge.ground();
+        let body = fit(limit, |level| {
+            encode(&Message::Fact(Shortener::new(level, &account.uavs, ground).fact(fact)))
+        });
+        self.say_body(self.config.channels.facts, account, body)
+    }
+
+    fn say_snapshot(&mut self, account: &Account<'_>, fact: &Fact) -> bool {
+        let knowledge = account.knowledge;
+        let targets = knowledge.targets.iter().map(|(&j, set)| (j, set.region().clone()));
+        let known = Known {
+            step: knowledge.step,
+            targets: targets.collect(),
+            unexplored: knowledge.unexplored.region().clone(),
+            obstacle_margin: knowledge.margin.region().clone(),
+        };
+        let body = fit(self.credit, |level| {
+            let short = Shortener::new(level, &account.uavs, knowledge.ground());
+            let (fact, known) = (short.fact(fact), short.known(&known));
+            encode(&Message::Snapshot(Box::new(Snapshot { fact, known })))
+        });
+        self.say_body(self.config.channels.snapshots, account, body)
+    }
+
+    fn say_body(
+        &mut self,
+        channel: ChannelId,
+        account: &Account<'_>,
+        body: Option<Vec<u8>>,
+    ) -> bool {
+        let said = body.is_some();
+        if let Some(body) = body {
+            self.say(channel, account.now, account.step, account.pose, body);
+        }
+        said
+    }
+
+    fn say(&mut self, channel: ChannelId, time: SimTime, step: Step, pose: Pose, body: Vec<u8>) {
+        let next = self.sequences.entry(channel).or_default();
+        let sequence = *next;
+        *next += 1;
         let envelope = Envelope {
             run: self.config.run,
             src: self.config.id,
-            incarnation: self.config.incarnation,
+            incarnation: match is_on(Mutant::SequenceReused) {
+                true => Incarnation(0),
+                false => self.config.incarnation,
+            },
             channel,
-            sequence: self.sequence,
+            sequence,
             step,
             time,
             pose,
-            body: postcard::to_stdvec(message).expect("a message always serialises"),
+            body,
         };
-        self.queue.push_back(Transmit {
-            channel,
-            sequence: self.sequence,
-            bytes: envelope.encode(),
-        });
-        self.sequence += 1;
+        let bytes = envelope.encode();
+        self.credit -= bytes.len() as f64;
+        self.queue.push_back(Transmit { channel, sequence, bytes });
+    }
+
+    fn in_steps(&self, now: Step, seconds: f64) -> Step {
+        Step(now.0 + (seconds / self.config.period_s).round().max(1.0) as u32)
     }
 }
 
-fn fact_of(step: Step, measured: &Measured, changes: &Changes) -> Fact {
-    let targets = measured.targets.iter().map(|t| TargetFact {
-        target: t.target,
-        location: t.location.region().clone(),
-        exclusion: t.exclusion.region().clone(),
-    });
-    Fact {
-        step,
-        clear_ground: measured.clear_ground.region().clone(),
-        obstacle_margin: measured.obstacle_margin.region().clone(),
-        targets: targets.collect(),
-        hidden: measured.hidden.clone(),
-        seen: measured.seen.clone(),
-        oem: changes.oem.clone(),
-    }
+fn patch(cells: &BTreeMap<u32, OemCell>) -> OemPatch {
+    OemPatch::of(cells.iter().map(|(&cell, &state)| OemDelta { cell, state }))
 }
 
-fn snapshot_of(knowledge: &Knowledge, measured: &Measured) -> Snapshot {
-    Snapshot {
-        step: knowledge.step,
-        targets: knowledge.targets.iter().map(|(&j, set)| (j, set.region().clone())).collect(),
-        unexplored: knowledge.unexplored.region().clone(),
-        obstacle_margin: knowledge.margin.region().clone(),
-        hidden: measured.hidden.clone(),
-        seen: measured.seen.clone(),
-        oem: knowledge.oem.known(),
-    }
+fn encode(message: &Message) -> Vec<u8> {
+    postcard::to_stdvec(message).expect("a message always serialises")
 }

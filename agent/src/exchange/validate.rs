@@ -2,13 +2,20 @@
 
 use csat_proto::envelope::{Envelope, EnvelopeError};
 use csat_proto::ids::TargetId;
-use csat_proto::message::{Fact, Message, OemDelta, Snapshot};
+use csat_proto::message::{Digest, Fact, Known, Message};
+use csat_proto::oem::OemPatch;
 use csat_proto::raster::Raster;
 use csat_proto::region::{Region, to_units, twice_signed_area};
 use csat_proto::time::Step;
 
+use super::crossing::{self, Tangle};
+use super::held::LIVES;
 use crate::config::AgentConfig;
+use crate::estimate::oem::Oem;
 use crate::guidance::schedule::PlanError;
+
+/// Targets are numbered from 0; each that is known of costs time in every step.
+const MAX_TARGETS: u16 = 1024;
 
 /// Why a message was dropped.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -76,19 +83,33 @@ pub enum Rejection {
     /// An outer ring is not counter-clockwise or a hole not clockwise.
     #[error("a ring is wound the wrong way")]
     Winding,
-    /// Target indexes are not strictly increasing.
-    #[error("targets are not listed once each by increasing index")]
+    /// Two edges of a set cross.
+    #[error("rings of a set cross each other or themselves")]
+    Crossing,
+    /// Edges of a set lie so close together that checking them would take too long.
+    #[error("edges of a set are bundled too densely to be checked")]
+    Bundle,
+    /// Target indexes are not strictly increasing, or too large.
+    #[error("targets are not listed once each by increasing index below {MAX_TARGETS}")]
     Targets,
     /// A raster on another grid.
     #[error("a raster is on another grid")]
     Grid,
-    /// A cell outside the map.
-    #[error("cell {got} of a map of {cells} cells")]
+    /// Cells outside the map.
+    #[error("cells up to {got} of a map of {cells}")]
     Cell {
-        /// Its index.
-        got: u32,
+        /// One past the last.
+        got: u64,
         /// Number of cells.
         cells: usize,
+    },
+    /// A digest of agents that do not exist, out of order, or of another map.
+    #[error("a digest of {facts} lives and {blocks} blocks does not fit the fleet and its map")]
+    Digest {
+        /// Lives it speaks of.
+        facts: usize,
+        /// Blocks it speaks of.
+        blocks: usize,
     },
     /// More messages wait than a fleet can have sent within `max_age_s`.
     #[error("{max} messages wait already")]
@@ -117,6 +138,9 @@ impl Rejection {
             Self::TooManyVertices { .. } => "vertices",
             Self::Outside => "outside",
             Self::Winding => "winding",
+            Self::Crossing => "crossing",
+            Self::Bundle => "bundle",
+            Self::Digest { .. } => "digest",
             Self::Targets => "targets",
             Self::Grid => "grid",
             Self::Cell { .. } => "cell",
@@ -132,13 +156,21 @@ pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Mes
     let message: Message =
         postcard::from_bytes(&envelope.body).map_err(|_| Rejection::Malformed)?;
     let body = match &message {
-        Message::Fact(fact) => check_fact(config, fact).map(|()| fact.step),
-        Message::Snapshot(snapshot) => check_snapshot(config, snapshot).map(|()| snapshot.step),
-        // The scheduler checks plans: what is possible depends on the schedule.
-        Message::Plan(plan) => Ok(plan.step),
-    }?;
+        Message::Fact(fact) => fact.step,
+        Message::Snapshot(snapshot) => snapshot.fact.step,
+        Message::Plan(plan) => plan.step,
+    };
     if body != envelope.step {
         return Err(Rejection::Step { header: envelope.step.0, body: body.0 });
+    }
+    match &message {
+        Message::Fact(fact) => check_fact(config, fact)?,
+        Message::Snapshot(snapshot) => {
+            check_fact(config, &snapshot.fact)?;
+            check_known(config, &snapshot.known, body)?;
+        }
+        // The scheduler checks plans: what is possible depends on the schedule.
+        Message::Plan(_) => {}
     }
     Ok(message)
 }
@@ -164,24 +196,45 @@ fn check_header(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<
 }
 
 fn check_fact(config: &AgentConfig, fact: &Fact) -> Result<(), Rejection> {
+    check_digest(config, &fact.held)?;
     check_targets(fact.targets.iter().map(|t| t.target))?;
+    check_rasters(config, [&fact.hidden, &fact.seen])?;
+    check_cells(config, &fact.oem)?;
     let regions = [&fact.clear_ground, &fact.obstacle_margin].into_iter();
     check_regions(
         config,
         regions.chain(fact.targets.iter().flat_map(|t| [&t.location, &t.exclusion])),
-    )?;
-    check_coarse(config, [&fact.hidden, &fact.seen], &fact.oem)
+    )
 }
 
-fn check_snapshot(config: &AgentConfig, snapshot: &Snapshot) -> Result<(), Rejection> {
-    check_targets(snapshot.targets.iter().map(|(j, _)| *j))?;
-    let regions = [&snapshot.unexplored, &snapshot.obstacle_margin].into_iter();
-    check_regions(config, regions.chain(snapshot.targets.iter().map(|(_, set)| set)))?;
-    check_coarse(config, [&snapshot.hidden, &snapshot.seen], &snapshot.oem)
+/// `frame` is the step of the frame that came with it.
+fn check_known(config: &AgentConfig, known: &Known, frame: Step) -> Result<(), Rejection> {
+    if known.step > frame {
+        return Err(Rejection::Step { header: frame.0, body: known.step.0 });
+    }
+    check_targets(known.targets.iter().map(|(j, _)| *j))?;
+    let regions = [&known.unexplored, &known.obstacle_margin].into_iter();
+    check_regions(config, regions.chain(known.targets.iter().map(|(_, set)| set)))
+}
+
+fn check_digest(config: &AgentConfig, held: &Digest) -> Result<(), Rejection> {
+    let (facts, blocks) = (held.facts.len(), held.oem.len());
+    let fits = facts <= usize::from(config.fleet.count) * LIVES
+        && held.facts.is_sorted_by_key(|f| (f.origin, f.incarnation))
+        && held.facts.iter().all(|f| f.origin.0 < config.fleet.count)
+        && (blocks == 0 || blocks == Oem::blocks(&config.oem_grid()));
+    if fits { Ok(()) } else { Err(Rejection::Digest { facts, blocks }) }
 }
 
 fn check_targets(targets: impl Iterator<Item = TargetId>) -> Result<(), Rejection> {
-    if targets.is_sorted_by(|a, b| a < b) { Ok(()) } else { Err(Rejection::Targets) }
+    let mut previous = None;
+    for target in targets {
+        if target.0 >= MAX_TARGETS || previous >= Some(target) {
+            return Err(Rejection::Targets);
+        }
+        previous = Some(target);
+    }
+    Ok(())
 }
 
 fn check_regions<'a>(
@@ -204,6 +257,10 @@ fn check_regions<'a>(
         if region.rings().flatten().any(outside) {
             return Err(Rejection::Outside);
         }
+        crossing::check(region).map_err(|tangle| match tangle {
+            Tangle::Crossing => Rejection::Crossing,
+            Tangle::TooDense => Rejection::Bundle,
+        })?;
         for shape in region.shapes() {
             let wound = |(i, ring): (usize, &Vec<_>)| (twice_signed_area(ring) > 0) == (i == 0);
             if !shape.iter().enumerate().all(wound) {
@@ -214,18 +271,12 @@ fn check_regions<'a>(
     Ok(())
 }
 
-fn check_coarse(
-    config: &AgentConfig,
-    rasters: [&Raster; 2],
-    oem: &[OemDelta],
-) -> Result<(), Rejection> {
+fn check_rasters(config: &AgentConfig, rasters: [&Raster; 2]) -> Result<(), Rejection> {
     let grid = config.raster_grid();
-    if rasters.iter().any(|raster| *raster.grid() != grid) {
-        return Err(Rejection::Grid);
-    }
-    let cells = config.oem_grid().cells();
-    match oem.iter().find(|delta| delta.cell as usize >= cells) {
-        Some(delta) => Err(Rejection::Cell { got: delta.cell, cells }),
-        None => Ok(()),
-    }
+    if rasters.iter().all(|raster| *raster.grid() == grid) { Ok(()) } else { Err(Rejection::Grid) }
+}
+
+fn check_cells(config: &AgentConfig, oem: &OemPatch) -> Result<(), Rejection> {
+    let (got, cells) = (oem.end(), config.oem_grid().cells());
+    if got <= cells as u64 { Ok(()) } else { Err(Rejection::Cell { got, cells }) }
 }

@@ -1,6 +1,6 @@
 //! The search against brute force, mirrors and itself.
 
-use csat_proto::message::OemDelta;
+use csat_proto::oem::OemDelta;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

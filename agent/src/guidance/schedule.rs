@@ -106,7 +106,10 @@ pub struct Scheduler {
     /// By index; the own entry stays empty.
     fleet: Vec<Neighbour>,
     start: SimTime,
+    /// Of the current decision.
     step: Step,
+    /// Of the last frame: an agent that begins in mid-mission has no decision yet.
+    frame: Step,
     stage: Stage,
 }
 
@@ -129,6 +132,7 @@ impl Scheduler {
             fleet: vec![Neighbour::default(); count],
             start: SimTime(0),
             step: Step(0),
+            frame: Step(0),
             stage: Stage::Idle,
         }
     }
@@ -136,6 +140,14 @@ impl Scheduler {
     /// Whether a decision is due at a step: every T_MPC, from t = 0 on.
     pub fn decides_at(&self, step: Step) -> bool {
         step.0.is_multiple_of(self.steps_per_block)
+    }
+
+    /// A frame came; every T_MPC a decision begins with it.
+    pub fn on_frame(&mut self, now: SimTime, step: Step) {
+        self.frame = step;
+        if self.decides_at(step) {
+            self.on_instant(now);
+        }
     }
 
     /// A decision instant has begun. What is left of the decision before is dropped.
@@ -173,7 +185,7 @@ impl Scheduler {
             return Err(PlanError::NotANeighbour { from, own, count: self.fleet.len() as u16 });
         }
         // The sender may have begun the next decision before this agent did.
-        let max = Step(self.step.0.saturating_add(self.steps_per_block));
+        let max = Step(self.step.max(self.frame).0.saturating_add(self.steps_per_block));
         if plan.step > max || !self.decides_at(plan.step) {
             let blocks = self.steps_per_block;
             return Err(PlanError::NoSuchDecision { got: plan.step, blocks, max });

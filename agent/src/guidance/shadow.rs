@@ -7,7 +7,7 @@
 //! when h ≥ z. Rays are laid out by slope, not by angle, so that a cell finds its ray and its place
 //! on it with one division and no trigonometry, and the place is exact: only the slope is rounded.
 
-use csat_proto::message::OemCell;
+use csat_proto::oem::OemCell;
 use csat_proto::raster::Grid;
 
 use crate::estimate::oem::Oem;

@@ -1,8 +1,8 @@
 //! Shadows against the definition: hulls of projected boxes.
 
 use csat_proto::camera::{CameraModel, Pose};
-use csat_proto::message::OemDelta;
 use csat_proto::model::Ground;
+use csat_proto::oem::OemDelta;
 use csat_proto::raster::Raster;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

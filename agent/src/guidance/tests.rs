@@ -2,11 +2,11 @@
 
 use csat_proto::camera::CameraModel;
 use csat_proto::ids::{AgentId, Incarnation, RunId};
-use csat_proto::message::{OemCell, OemDelta};
 use csat_proto::model::{FleetModel, Ground, TargetsModel};
+use csat_proto::oem::{OemCell, OemDelta};
 
 use super::*;
-use crate::config::{Criterion, EstimatorConfig, ExchangeConfig, GuidanceConfig};
+use crate::config::{Channels, Criterion, EstimatorConfig, ExchangeConfig, GuidanceConfig};
 
 pub(super) fn default_config() -> AgentConfig {
     AgentConfig {
@@ -21,6 +21,7 @@ pub(super) fn default_config() -> AgentConfig {
         estimator: EstimatorConfig::default(),
         guidance: GuidanceConfig::default(),
         exchange: ExchangeConfig::default(),
+        channels: Channels::default(),
     }
 }
 

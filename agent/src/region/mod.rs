@@ -32,6 +32,7 @@ mod disc;
 mod grown;
 mod inner;
 mod outer;
+mod reach;
 mod simplify;
 mod sweep;
 
@@ -39,6 +40,7 @@ pub use disc::Disc;
 pub use grown::Grown;
 pub use inner::Inner;
 pub use outer::Outer;
+pub use reach::Reach;
 pub use simplify::{Kind, Tolerance, simplify_ring};
 
 pub(crate) use boolean::{RULE, overlay};

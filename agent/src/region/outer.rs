@@ -3,7 +3,7 @@
 use csat_proto::region::{GridBox, Region, Ring, Shape};
 
 use super::boolean::shallow_groups;
-use super::simplify::{Kind, simplify_region};
+use super::simplify::{Kind, simplify_region, simplify_shapes};
 use super::sweep::dilated_path;
 use super::{Disc, Inner, RULE, overlay};
 
@@ -74,6 +74,11 @@ impl Outer {
     /// `tolerance_m`.
     pub fn simplified(self, tolerance_m: f64) -> Outer {
         Outer(simplify_region(self.0, Kind::Outer, tolerance_m))
+    }
+
+    /// A superset with fewer vertices, each shape by its own tolerance, metres.
+    pub fn simplified_by(&self, tolerance_m: impl Fn(&Shape) -> f64) -> Outer {
+        Outer(simplify_shapes(&self.0, Kind::Outer, tolerance_m))
     }
 }
 

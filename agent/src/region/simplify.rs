@@ -13,7 +13,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use csat_proto::region::{GridPoint, Region, Ring, UNITS_PER_M, twice_signed_area};
+use csat_proto::region::{GridPoint, Region, Ring, Shape, UNITS_PER_M, twice_signed_area};
 
 use super::{RULE, overlay};
 
@@ -50,6 +50,18 @@ pub(super) fn simplify_region(region: Region, kind: Kind, tolerance_m: f64) -> R
     if rings.iter().map(Vec::len).sum::<usize>() == before {
         return region;
     }
+    overlay(&rings, [], RULE::Subject)
+}
+
+/// Simplifies every shape of a region by its own tolerance.
+pub(super) fn simplify_shapes(
+    region: &Region,
+    kind: Kind,
+    tolerance_m: impl Fn(&Shape) -> f64,
+) -> Region {
+    let shapes = region.shapes().iter();
+    let rings: Vec<Ring> =
+        shapes.flat_map(|shape| simplified_rings(shape, kind, tolerance_m(shape))).collect();
     overlay(&rings, [], RULE::Subject)
 }
 

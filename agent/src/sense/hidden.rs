@@ -2,7 +2,7 @@
 
 use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
-use csat_proto::message::{OemCell, OemDelta};
+use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::{Grid, Raster};
 use nalgebra::Vector3;
 

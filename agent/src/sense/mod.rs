@@ -21,7 +21,7 @@ pub mod target;
 use csat_proto::camera::CameraView;
 use csat_proto::frame::Frame;
 use csat_proto::ids::TargetId;
-use csat_proto::message::OemDelta;
+use csat_proto::oem::OemDelta;
 use csat_proto::raster::Raster;
 use csat_proto::region::Region;
 

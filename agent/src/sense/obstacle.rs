@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
-use csat_proto::message::{OemCell, OemDelta};
+use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::Grid;
 use csat_proto::region::{Region, Ring};
 use nalgebra::Vector3;

@@ -10,5 +10,6 @@ mod grown;
 mod growth;
 mod limits;
 mod oracle;
+mod reach;
 mod shapes;
 mod simplify;

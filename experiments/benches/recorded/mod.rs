@@ -1,20 +1,16 @@
-//! Moments recorded in the middle of a mission, and the stages of an agent-step as calls on them.
+//! Moments recorded in the middle of a mission, and the [`stages`] of an agent-step as calls on them.
 //!
 //! A stage's cost depends on how much is known by then, so nothing here is made up: the engine flies
 //! a scenario, and what goes into each stage of agent 0 at some step is kept.
 
-use std::hint::black_box;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use csat_agent::agent::SetMembershipAgent;
-use csat_agent::config::{AgentConfig, Criterion, ExchangeMode};
-use csat_agent::estimate::correct::{Changes, correct};
-use csat_agent::estimate::fuse::{Fused, Fuser};
-use csat_agent::estimate::predict::Predictor;
+use csat_agent::config::AgentConfig;
+use csat_agent::estimate::Estimator;
+use csat_agent::estimate::evidence::Heard;
 use csat_agent::estimate::state::Knowledge;
-use csat_agent::exchange::inbox::Inbox;
-use csat_agent::exchange::outbox::Outbox;
-use csat_agent::guidance::{Decision, Picture, Planner};
 use csat_agent::sense::{Measured, Sensor};
 use csat_experiments::engine::Engine;
 use csat_experiments::mission::{self, RunOptions};
@@ -27,12 +23,16 @@ use csat_proto::agent::Agent;
 use csat_proto::camera::Pose;
 use csat_proto::envelope::Envelope;
 use csat_proto::frame::Frame;
-use csat_proto::ids::AgentId;
-use csat_proto::message::{Fact, Message, Snapshot};
+use csat_proto::ids::{AgentId, Incarnation};
+use csat_proto::message::{Fact, HeldFacts, Known, Message};
+use csat_proto::oem::{OemCell, OemPatch};
 use csat_proto::raster::Raster;
 use csat_proto::time::{SimTime, Step};
 use csat_world::camera::Renderer;
 use csat_world::scene::Scene;
+
+mod stages;
+pub use stages::*;
 
 /// The scenario that is flown, with its own seed 1.
 const SCENARIO: &str = "city";
@@ -50,15 +50,20 @@ pub struct Moment {
     /// Before the frame.
     pub before: Knowledge,
     pub measured: Measured,
-    pub changes: Changes,
-    /// After the frame.
+    /// Before the frame, but for the map.
+    pub looked: Knowledge,
+    /// Cells of the map that the frame changed.
+    pub changed: BTreeMap<u32, OemCell>,
+    /// Facts held before the frame.
+    pub held: Vec<HeldFacts>,
+    /// After the frame alone.
     pub corrected: Knowledge,
     /// The neighbours' messages of this step, as they travel.
     pub heard: Vec<Vec<u8>>,
-    pub facts: Vec<Fact>,
+    pub facts: Vec<Heard>,
     /// What the neighbours would say in a snapshot at this step.
-    pub snapshots: Vec<Snapshot>,
-    /// After `facts`.
+    pub snapshots: Vec<Heard>,
+    /// After the frame and `facts`.
     pub fused: Knowledge,
     /// The neighbours' plans.
     pub plans: Vec<Vec<Pose>>,
@@ -69,7 +74,7 @@ pub struct Moment {
 pub fn moments(times_s: &[f64]) -> Vec<Moment> {
     let Loaded { scenario, world, .. } = load(&[]);
     let mission = SetMembership::new(&scenario);
-    let config = mission.agent(ME).config().clone();
+    let config = mission.agent(ME, Incarnation(0)).config().clone();
     let mut engine = Engine::new(mission, world, &scenario.netem, scenario.seed);
     let mut renderer = Renderer::new(config.camera);
     let mut sensor = Sensor::new(&config);
@@ -112,31 +117,30 @@ fn record(
 ) -> Moment {
     let config = agents[0].config().clone();
     let before = agents[0].knowledge().clone();
+    let known: Vec<Known> = agents.iter().skip(1).map(|agent| known(agent.knowledge())).collect();
     for (agent, frame) in agents.iter_mut().zip(&frames) {
         agent.handle_frame(now, frame);
     }
     let measured = sensor.clone().measure(&frames[0]);
     assert_eq!(Some(&measured), agents[0].measured(), "the sensor saw something else");
-    let mut corrected = before.clone();
-    let changes = estimate(&Predictor::new(&config), &mut corrected, &frames[0], &measured);
-    assert_eq!(corrected.digest(), agents[0].digest());
-    let others = || agents.iter().skip(1);
-    let snapshots = others().map(snapshot).collect();
-    let neighbours_hidden = others()
+    let looked = agents[0].knowledge().clone();
+    let cells = before.oem.cells().iter().zip(looked.oem.cells()).zip(0..);
+    let changed = cells.filter(|((a, b), _)| a != b).map(|((_, b), cell)| (cell, *b)).collect();
+    let neighbours_hidden = agents
+        .iter()
+        .skip(1)
         .map(|agent| agent.measured().map_or_else(|| measured.hidden.clone(), |m| m.hidden.clone()))
         .collect();
     let heard = settle(&mut agents, now);
-    let (mut facts, mut plans) = (Vec::new(), Vec::new());
-    for bytes in &heard {
-        match decode(bytes) {
-            Message::Fact(fact) => facts.push(fact),
-            Message::Plan(plan) if plan.pass == 0 => plans.push(plan.poses),
-            Message::Plan(_) | Message::Snapshot(_) => {}
-        }
-    }
+    let (facts, plans) = read(&heard);
     assert_eq!((facts.len(), plans.len()), (agents.len() - 1, agents.len() - 1));
-    let mut fused = corrected.clone();
-    Fuser::new(&config).fuse(&mut fused, &facts, &[]);
+    let held = facts[0].fact.held.facts.clone();
+    let snapshots = facts.iter().zip(known).map(|(h, known)| snapshot(h, known, &looked)).collect();
+    let estimator = Estimator::new(&config);
+    let (mut corrected, mut fused) = (before.clone(), before.clone());
+    let own = Some((frames[0].step, &measured));
+    estimator.update(&mut corrected, own, Vec::new());
+    estimator.update(&mut fused, own, facts.clone());
     Moment {
         config,
         scene,
@@ -146,7 +150,9 @@ fn record(
         sensor,
         before,
         measured,
-        changes,
+        looked,
+        changed,
+        held,
         corrected,
         heard,
         facts,
@@ -157,18 +163,34 @@ fn record(
     }
 }
 
-/// What the agent would say in a snapshot.
-fn snapshot(agent: &SetMembershipAgent) -> Snapshot {
-    let (knowledge, measured) = (agent.knowledge(), agent.measured().expect("it had a frame"));
-    Snapshot {
+/// The facts, and the plans of the first pass.
+fn read(letters: &[Vec<u8>]) -> (Vec<Heard>, Vec<Vec<Pose>>) {
+    let (mut facts, mut plans) = (Vec::new(), Vec::new());
+    for bytes in letters {
+        let Envelope { src, incarnation, body, .. } =
+            Envelope::decode(bytes).expect("an agent's own envelope");
+        match postcard::from_bytes(&body).expect("an agent's own message") {
+            Message::Fact(fact) => facts.push(Heard { src, incarnation, fact, known: None }),
+            Message::Plan(plan) if plan.pass == 0 => plans.push(plan.poses),
+            Message::Plan(_) | Message::Snapshot(_) => {}
+        }
+    }
+    (facts, plans)
+}
+
+fn known(knowledge: &Knowledge) -> Known {
+    Known {
         step: knowledge.step,
         targets: knowledge.targets.iter().map(|(&j, set)| (j, set.region().clone())).collect(),
         unexplored: knowledge.unexplored.region().clone(),
         obstacle_margin: knowledge.margin.region().clone(),
-        hidden: measured.hidden.clone(),
-        seen: measured.seen.clone(),
-        oem: knowledge.oem.known(),
     }
+}
+
+/// The same fact as a snapshot, with the whole map.
+fn snapshot(heard: &Heard, known: Known, looked: &Knowledge) -> Heard {
+    let fact = Fact { oem: OemPatch::of(looked.oem.known()), ..heard.fact.clone() };
+    Heard { fact, known: Some(known), ..heard.clone() }
 }
 
 /// Lets the agents talk until nothing is left to say; returns all that agent 0 heard.
@@ -189,135 +211,6 @@ fn settle(agents: &mut [SetMembershipAgent], now: SimTime) -> Vec<Vec<u8>> {
         }
         agents.iter_mut().filter(|agent| due(agent)).for_each(|agent| agent.handle_timeout(now));
     }
-}
-
-fn decode(bytes: &[u8]) -> Message {
-    let envelope = Envelope::decode(bytes).expect("an agent's own envelope");
-    postcard::from_bytes(&envelope.body).expect("an agent's own message")
-}
-
-/// A planner by its criterion.
-pub fn planner(config: &AgentConfig, criterion: Criterion) -> Planner {
-    let mut config = config.clone();
-    config.guidance.criterion = criterion;
-    Planner::new(&config)
-}
-
-/// An outbox that says only facts, as most steps do: a new one would begin with a snapshot.
-pub fn outbox(config: &AgentConfig) -> Outbox {
-    let mut config = config.clone();
-    config.exchange.mode = ExchangeMode::Facts;
-    Outbox::new(&config)
-}
-
-/// One pass of guidance as the agent does it: picture, then search.
-fn decide(planner: &mut Planner, moment: &Moment) -> Decision {
-    let knowledge = &moment.fused;
-    let margin = Raster::of_region(moment.config.raster_grid(), knowledge.margin.region());
-    let neighbours_hidden_now: Vec<Option<&Raster>> =
-        moment.neighbours_hidden.iter().map(Some).collect();
-    let picture = Picture {
-        wanted: &knowledge.wanted(),
-        margin: &margin,
-        hidden_now: &moment.measured.hidden,
-        neighbours_hidden_now: &neighbours_hidden_now,
-        hidden_recent: &knowledge.hidden_recently(),
-        oem: &knowledge.oem,
-    };
-    planner.plan(&picture, &moment.frame.pose, &moment.plans)
-}
-
-fn estimate(
-    predictor: &Predictor,
-    knowledge: &mut Knowledge,
-    frame: &Frame,
-    measured: &Measured,
-) -> Changes {
-    let predicted = predictor.predict(knowledge, frame.step);
-    correct(knowledge, &predicted, measured)
-}
-
-fn hear(inbox: &mut Inbox, moment: &Moment) {
-    for bytes in &moment.heard {
-        inbox.receive(moment.before.step, bytes).expect("an agent's own message");
-    }
-}
-
-// The stages. `bench/callgrind.sh` counts what happens between entry and exit of functions with
-// `stage_` in their name: they must not be inlined, nor hold closures, which would match as well, nor be equal,
-// as the compiler would merge them.
-
-/// A frame of the world.
-#[inline(never)]
-pub fn stage_render(renderer: &mut Renderer, moment: &Moment) -> Frame {
-    renderer.frame(&moment.scene, &moment.frame.pose, moment.frame.step, moment.seed, ME)
-}
-
-/// Frame to measured sets.
-#[inline(never)]
-pub fn stage_sense(sensor: &mut Sensor, frame: &Frame) -> Measured {
-    sensor.measure(frame)
-}
-
-/// Prediction and correction.
-#[inline(never)]
-pub fn stage_estimate(
-    predictor: &Predictor,
-    knowledge: &mut Knowledge,
-    frame: &Frame,
-    measured: &Measured,
-) -> Changes {
-    estimate(predictor, knowledge, frame, measured)
-}
-
-/// Serialises the step's fact.
-#[inline(never)]
-pub fn stage_say(outbox: &mut Outbox, moment: &Moment) {
-    let Moment { now, frame, corrected, measured, changes, .. } = moment;
-    outbox.say_step(*now, frame.pose, corrected, measured, changes);
-}
-
-/// Decodes and validates everything that the neighbours said in this step.
-#[inline(never)]
-pub fn stage_hear(inbox: &mut Inbox, moment: &Moment) {
-    hear(inbox, moment);
-}
-
-/// Fuses the neighbours' facts.
-#[inline(never)]
-pub fn stage_fuse(fuser: &Fuser, knowledge: &mut Knowledge, facts: &[Fact]) -> Fused {
-    fuser.fuse(knowledge, facts, &[])
-}
-
-/// Fuses the neighbours' snapshots.
-#[inline(never)]
-pub fn stage_fuse_snapshots(
-    fuser: &Fuser,
-    knowledge: &mut Knowledge,
-    snapshots: &[Snapshot],
-) -> Fused {
-    fuser.fuse(knowledge, &[], snapshots)
-}
-
-/// One pass of guidance under (5.16).
-#[inline(never)]
-pub fn stage_guidance_str1(planner: &mut Planner, moment: &Moment) -> Decision {
-    black_box("str1");
-    decide(planner, moment)
-}
-
-/// One pass of guidance under (5.21).
-#[inline(never)]
-pub fn stage_guidance_str2(planner: &mut Planner, moment: &Moment) -> Decision {
-    black_box("str2");
-    decide(planner, moment)
-}
-
-/// One pass of guidance under (5.27) and (5.32).
-#[inline(never)]
-pub fn stage_guidance_str3(planner: &mut Planner, moment: &Moment) -> Decision {
-    black_box("str3");
-    decide(planner, moment)
 }
 
 /// The scenario with changes, ready to fly.

@@ -1,5 +1,5 @@
-use csat_proto::message::OemCell;
 use csat_proto::model::Ground;
+use csat_proto::oem::OemCell;
 use csat_proto::raster::{Grid, Raster};
 
 use super::*;

@@ -11,13 +11,14 @@ mod read;
 mod set;
 pub mod shipped;
 pub mod source;
+mod trace_file;
 pub mod tree;
 mod validate;
 mod world;
 
 use std::path::Path;
 
-use csat_agent::config::{EstimatorConfig, ExchangeConfig, GuidanceConfig};
+use csat_agent::config::{ChannelNames, Channels, EstimatorConfig, ExchangeConfig, GuidanceConfig};
 use csat_netem::config::NetemConfig;
 use csat_proto::camera::CameraModel;
 use csat_proto::model::{FleetModel, Ground, TargetsModel};
@@ -97,6 +98,13 @@ impl Scenario {
     /// X_g.
     pub fn ground(&self) -> Ground {
         Ground { size_m: self.map.size_m }
+    }
+
+    /// Which radio carries what; an unknown name is a mistake, and the first radio here.
+    pub fn channels(&self) -> Channels {
+        let id = |name: &str| self.netem.channel_id(name).unwrap_or_default();
+        let ChannelNames { facts, snapshots, plans } = &self.exchange.channels;
+        Channels { facts: id(facts), snapshots: id(snapshots), plans: id(plans) }
     }
 
     /// What the world is made of.
@@ -188,6 +196,7 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
     }
     let mut scenario = read::read(&sources, &tree, &mut mistakes);
     let map = map_file::resolve(&mut scenario, &sources, &tree, &mut mistakes);
+    trace_file::resolve(&mut scenario, &mut sources, &tree, &mut mistakes);
     let mut warnings = Vec::new();
     let mut judged = Vec::new();
     for issue in validate::validate(&scenario) {

@@ -19,10 +19,13 @@ pub fn read(sources: &Sources, tree: &Table, mistakes: &mut Vec<Mistake>) -> Sce
     collect(tree, &defaults, &mut Vec::new(), &mut units);
     let mut accepted = defaults.clone();
     let mut seen: Vec<(Site, String)> = Vec::new();
+    let mut left_out: Vec<&[String]> = Vec::new();
     for unit in &units {
         let failures = judge(&defaults, unit);
         if failures.is_empty() {
             apply_accepted(&mut accepted, unit);
+        } else if unit.is_element {
+            left_out.push(&unit.path);
         }
         for failure in failures {
             let (site, mistake) = explain(tree, &defaults, unit, &failure);
@@ -31,6 +34,12 @@ pub fn read(sources: &Sources, tree: &Table, mistakes: &mut Vec<Mistake>) -> Sce
                 seen.push((site.clone(), mistake.message.clone()));
                 mistakes.push(mistake.at(Some(sources.place(&site))));
             }
+        }
+    }
+    // An array without one of its elements would have the others at wrong indexes.
+    for path in left_out {
+        if let Some(toml::Value::Array(elements)) = lookup_mut(&mut accepted, path) {
+            elements.clear();
         }
     }
     Scenario::deserialize(toml::Value::Table(accepted)).unwrap_or_else(|error| {

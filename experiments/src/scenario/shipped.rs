@@ -10,8 +10,12 @@ pub struct Shipped {
 }
 
 /// Every shipped scenario; the first is the default.
-pub const SCENARIOS: [Shipped; 3] = [
+pub const SCENARIOS: [Shipped; 7] = [
     Shipped { name: "city", text: include_str!("../../scenarios/city.toml") },
+    Shipped { name: "city-range100", text: include_str!("../../scenarios/city-range100.toml") },
+    Shipped { name: "city-bursty", text: include_str!("../../scenarios/city-bursty.toml") },
+    Shipped { name: "city-slow", text: include_str!("../../scenarios/city-slow.toml") },
+    Shipped { name: "city-storm", text: include_str!("../../scenarios/city-storm.toml") },
     Shipped { name: "helsinki-05", text: include_str!("../../scenarios/helsinki-05.toml") },
     Shipped { name: "helsinki-17", text: include_str!("../../scenarios/helsinki-17.toml") },
 ];

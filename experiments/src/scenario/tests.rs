@@ -223,6 +223,77 @@ fn links_are_judged_by_netem() {
     assert!(message.contains(" | netem.radio.loss.p=1.5\n"), "{message}");
 }
 
+/// Elements of arrays, in both notations, and values inside inline tables have places of their own.
+#[test]
+fn mistakes_in_links_are_shown_where_they_are() {
+    let text = "[netem]\npartition = [{ groups = [[0, 1], [2, 9]] }]\n[[netem.outage]]\nagent = \
+                0\nfrom_s = 5\n[[netem.outage]]\nagent = 1\nfrom_s = 5\nuntil_s = 4\n\
+                [netem.far]\nloss = { model = 'gilbert-elliott', p = 0.1, r = 7 }\n\
+                [netem.far.rate]\nbytes_s = -1\n";
+    let mistakes = mistakes_of(text, &[]);
+    let expected = [
+        ("netem.far.rate.bytes_s`: expected a rate above 0", "my.toml:13:11", "-1"),
+        ("netem.far.loss.r`: expected a probability r", "my.toml:11:50", "7"),
+        ("netem.outage[1].until_s`: expected a time after", "my.toml:9:11", "4"),
+        ("netem.partition[0].groups[1][1]`: expected an agent below", "my.toml:2:38", "9"),
+    ];
+    assert_eq!(mistakes.len(), expected.len(), "{mistakes:?}");
+    for (mistake, (message, place, got)) in mistakes.iter().zip(expected) {
+        for part in [message, place, &format!("got {got}")] {
+            assert!(mistake.contains(part), "{part} in {mistake}");
+        }
+    }
+    // A wrong type is reported alone: indexes of elements are not to be trusted then.
+    let mistakes = mistakes_of(&text.replace("agent = 0", "agent = 'zero'"), &[]);
+    let about_outages: Vec<&String> = mistakes.iter().filter(|m| m.contains("outage")).collect();
+    assert_eq!(about_outages.len(), 1, "{mistakes:?}");
+    assert!(about_outages[0].contains("my.toml:4:9"), "{}", about_outages[0]);
+    let message = set_mistake(&["netem.outage=[{agent=1,from_s=inf}]"]);
+    assert!(message.contains("`netem.outage[0].from_s`"), "{message}");
+    // What is missing is missed by the table that lacks it.
+    let message = set_mistake(&["netem.radio.loss={model='trace'}"]);
+    assert!(message.contains(" | netem.radio.loss={model='trace'}\n"), "{message}");
+    let message = set_mistake(&["netem.outages=[]"]);
+    assert!(message.contains("unknown key `outages` in [netem]"), "{message}");
+    assert!(message.contains("did you mean `outage`?"), "{message}");
+}
+
+#[test]
+fn traces_are_read_beside_the_scenario_and_kept_in_it() {
+    let folder = scratch("trace");
+    std::fs::create_dir(folder.join("traces")).unwrap();
+    let trace = folder.join("traces/yard.txt");
+    let path = folder.join("my.toml");
+    let text = "[netem.far]\nloss = { model = 'trace', file = 'traces/yard.txt' }\n";
+    std::fs::write(&path, text).unwrap();
+    let load = || load_with(&path.to_string_lossy(), &[]);
+    let refused = |text: &str| {
+        std::fs::write(&trace, text).unwrap();
+        let mistakes = load().unwrap_err().0;
+        assert_eq!(mistakes.len(), 1, "{mistakes:?}");
+        mistakes[0].to_string().replace(&format!("{}/", folder.display()), "")
+    };
+    let missing = load().unwrap_err().0;
+    assert_eq!(missing.len(), 1, "{missing:?}");
+    let missing = missing[0].to_string();
+    assert!(missing.starts_with("error: cannot read the trace `"), "{missing}");
+    assert!(missing.contains("my.toml:2:34"), "{missing}");
+    assert_eq!(
+        refused("0101\n01x1\n"),
+        "error: a trace cannot have 'x'\n  --> traces/yard.txt:2:3\n  |\n2 | 01x1\n  |   ^\n  = \
+         expected 0, 1, white space or a # comment\n"
+    );
+    assert!(refused("# nothing\n").contains("expected at least one 0 or 1"));
+    std::fs::write(&trace, "0101 # measured\n").unwrap();
+    let first = load().unwrap();
+    let resolved = folder.join("elsewhere.toml");
+    std::fs::remove_file(&trace).unwrap();
+    std::fs::write(&resolved, first.scenario.to_toml()).unwrap();
+    let second = load_with(&resolved.to_string_lossy(), &[]).unwrap();
+    assert_eq!(second.scenario, first.scenario);
+    assert!(first.scenario.to_toml().contains("0101 # measured"));
+}
+
 #[test]
 fn later_values_win_and_are_blamed() {
     let loaded = load_with("city", &["agents.count=2", "agents.count=3"]).unwrap();
@@ -241,7 +312,8 @@ fn what_cannot_be_found_is_named() {
     assert_eq!(
         message,
         "error: there is no scenario `hellsinki-05`\n  = expected a TOML file or one of `city`, \
-         `helsinki-05`, `helsinki-17`\n  = did you mean `helsinki-05`?\n"
+         `city-range100`, `city-bursty`, `city-slow`, `city-storm`, `helsinki-05`, \
+         `helsinki-17`\n  = did you mean `helsinki-05`?\n"
     );
     let folder = scratch("folder");
     let message = load_with(&folder.to_string_lossy(), &[]).unwrap_err().0[0].to_string();

@@ -101,6 +101,14 @@ impl Node {
         }
     }
 
+    fn part(&self, part: Part<'_>) -> Option<&Node> {
+        match (part, &self.kind) {
+            (Part::Key(key), _) => self.child(key),
+            (Part::Index(index), Kind::Array(nodes)) => nodes.get(index),
+            (Part::Index(_), _) => None,
+        }
+    }
+
     /// Any node below with this key.
     pub fn find_key(&self, key: &str) -> Option<&Node> {
         self.child(key).or_else(|| match &self.kind {
@@ -142,12 +150,13 @@ fn changes_model(below: &Table, above: &Table) -> bool {
     }
 }
 
-/// The deepest node on the way to a dotted path.
+/// The deepest node on the way to a dotted path, such as `netem.outage[1].agent`.
 pub fn deepest<'a>(table: &'a Table, path: &str) -> Option<&'a Node> {
-    let mut keys = path.split('.');
-    let mut node = table.get(keys.next()?)?;
-    for key in keys {
-        match node.child(key) {
+    let mut parts = parts(path);
+    let Part::Key(first) = parts.next()? else { return None };
+    let mut node = table.get(first)?;
+    for part in parts {
+        match node.part(part) {
             Some(child) => node = child,
             None => break,
         }
@@ -157,7 +166,49 @@ pub fn deepest<'a>(table: &'a Table, path: &str) -> Option<&'a Node> {
 
 /// The node at exactly a dotted path.
 pub fn exact<'a>(table: &'a Table, path: &str) -> Option<&'a Node> {
-    let mut keys = path.split('.');
-    let first = table.get(keys.next()?)?;
-    keys.try_fold(first, |node, key| node.child(key))
+    let mut parts = parts(path);
+    let Part::Key(first) = parts.next()? else { return None };
+    parts.try_fold(table.get(first)?, |node, part| node.part(part))
+}
+
+/// A step on a dotted path: a key, or the index of an element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part<'a> {
+    Key(&'a str),
+    Index(usize),
+}
+
+/// `a.b[1][2].c` is a, b, 1, 2, c.
+fn parts(path: &str) -> impl Iterator<Item = Part<'_>> {
+    path.split('.').flat_map(|step| {
+        let (key, indexes) = step.split_once('[').unwrap_or((step, ""));
+        // What is no number is no element.
+        let index =
+            |text: &str| Part::Index(text.trim_end_matches(']').parse().unwrap_or(usize::MAX));
+        let indexes = indexes.split('[').filter(|text| !text.is_empty()).map(index);
+        std::iter::once(Part::Key(key)).chain(indexes.collect::<Vec<_>>())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::source::Source;
+    use super::*;
+
+    #[test]
+    fn elements_of_arrays_have_paths() {
+        let text = "[[a.b]]\nx = 1\n[[a.b]]\nx = 2\ny = [[3], [4, 5]]\n".to_owned();
+        let mut sources = Sources::default();
+        sources.push(Source { name: "x.toml".into(), text, is_file: true, folder: None });
+        let table = parse(&sources, 0, &mut Vec::new());
+        let value = |path: &str| exact(&table, path).map(|node| node.to_value().to_string());
+        assert_eq!(value("a.b[0].x").as_deref(), Some("1"));
+        assert_eq!(value("a.b[1].x").as_deref(), Some("2"));
+        assert_eq!(value("a.b[1].y[1][1]").as_deref(), Some("5"));
+        for nowhere in ["a.b[2].x", "a.b[0].y", "a.b[x].x", "a[0]", "[0]", "a.b[1].x[0]"] {
+            assert_eq!(value(nowhere), None, "{nowhere}");
+        }
+        let line = |path: &str| sources.place(&deepest(&table, path).unwrap().value).line;
+        assert_eq!([line("a.b[1].z"), line("a.b[1].y[1][7]"), line("a.b[0].x")], [3, 5, 2]);
+    }
 }

@@ -49,12 +49,20 @@ pub fn validate(scenario: &Scenario) -> Vec<Issue> {
     estimator(&mut check, &scenario.estimator, scenario.map.size_m);
     guidance(&mut check, &scenario.guidance, period_s);
     exchange(&mut check, &scenario.exchange, period_s);
-    for (key, what) in scenario.netem.mistakes() {
+    for (key, what) in scenario.netem.mistakes(scenario.agents.count) {
         let key = format!("netem.{key}");
+        let key = key.trim_end_matches('.');
         let mistake = Mistake::new(format!("`{key}`: {what}"));
-        check.0.push(Issue { keys: vec![key], mistake, is_warning: false });
+        check.0.push(Issue { keys: with_ancestors(key), mistake, is_warning: false });
     }
     check.0
+}
+
+/// A path and all paths around it, inner ones first: what is wrong with a value that nobody wrote,
+/// such as a default, is said of the table that lacks it.
+fn with_ancestors(path: &str) -> Vec<String> {
+    let ends = path.rmatch_indices(['.', '[']).map(|(end, _)| &path[..end]);
+    std::iter::once(path).chain(ends).map(str::to_owned).collect()
 }
 
 fn owned(keys: &[&str]) -> Vec<String> {

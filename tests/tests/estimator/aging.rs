@@ -6,7 +6,8 @@ use csat_proto::agent::Agent;
 use csat_proto::camera::Pose;
 use csat_proto::envelope::Envelope;
 use csat_proto::ids::{AgentId, ChannelId, Incarnation, TargetId};
-use csat_proto::message::{Fact, Message, Snapshot, TargetFact};
+use csat_proto::message::{Digest, Fact, Known, Message, Snapshot, TargetFact};
+use csat_proto::oem::OemPatch;
 use csat_proto::raster::Raster;
 use csat_proto::region::{Region, grid_point};
 use csat_proto::time::{SimTime, Step};
@@ -34,12 +35,14 @@ fn fact(config: &AgentConfig, clear_ground: Region, targets: Vec<TargetFact>) ->
     let nothing = Raster::empty(config.raster_grid());
     Fact {
         step: Step(0),
+        number: 0,
+        held: Digest::default(),
         clear_ground,
         obstacle_margin: EMPTY,
         targets,
         hidden: nothing.clone(),
         seen: nothing,
-        oem: Vec::new(),
+        oem: OemPatch::default(),
     }
 }
 
@@ -111,25 +114,31 @@ fn a_detection_of_long_ago_confines_nobody_now() {
     assert!(!admits(&fooled, seen, seen_at) && !admits(&fooled, other, other_at));
 }
 
-/// The same for a snapshot, and for a target that only the sender knows of.
+/// The same for a snapshot, and for a target that only the sender knows of. What was known is as old
+/// as it says itself, however new the frame that came with it.
 #[test]
 fn a_snapshot_of_long_ago_is_grown() {
     let config = config();
-    let nothing = Raster::empty(config.raster_grid());
-    let old = Snapshot {
-        step: Step(0),
-        targets: vec![(TargetId(1), square([20.0, 20.0], 3.0))],
-        unexplored: square([-20.0, -20.0], 10.0),
-        obstacle_margin: EMPTY,
-        hidden: nothing.clone(),
-        seen: nothing,
-        oem: Vec::new(),
+    let snapshot = |frame: Step, known: Step| {
+        let known = Known {
+            step: known,
+            targets: vec![(TargetId(1), square([20.0, 20.0], 3.0))],
+            unexplored: square([-20.0, -20.0], 10.0),
+            obstacle_margin: EMPTY,
+        };
+        let fact = Fact { step: frame, ..fact(&config, EMPTY, Vec::new()) };
+        let message = Message::Snapshot(Box::new(Snapshot { fact, known }));
+        told(&config, &letter(&config, frame, &message))
     };
-    let honest = told(&config, &letter(&config, Step(0), &Message::Snapshot(old.clone())));
     let (known_at, unknown_at) = ([23.0 + 9.9, 20.0], [-10.0 + 9.9, -20.0]);
-    assert!(admits(&honest, TargetId(1), known_at) && admits(&honest, TargetId(9), unknown_at));
-    assert!(!admits(&honest, TargetId(1), unknown_at) && !admits(&honest, TargetId(9), known_at));
-    let ageless = Snapshot { step: NOW, ..old };
-    let fooled = told(&config, &letter(&config, NOW, &Message::Snapshot(ageless)));
+    for honest in [snapshot(Step(0), Step(0)), snapshot(NOW, Step(0))] {
+        assert!(admits(&honest, TargetId(1), known_at) && admits(&honest, TargetId(9), unknown_at));
+        let swapped = [(TargetId(1), unknown_at), (TargetId(9), known_at)];
+        assert!(swapped.iter().all(|&(j, p)| !admits(&honest, j, p)));
+        // Grown, but not by more than a target can drive.
+        assert!(!admits(&honest, TargetId(1), [23.0 + 10.8, 20.0]));
+    }
+    // The same without its age rules the targets out: this test can fail.
+    let fooled = snapshot(NOW, Step(NOW.0 - 1));
     assert!(!admits(&fooled, TargetId(1), known_at) && !admits(&fooled, TargetId(9), unknown_at));
 }

@@ -65,7 +65,9 @@ struct Start {
 impl Start {
     fn new(case: &Case) -> Self {
         let mut agent = SetMembershipAgent::new(&case.config);
-        agent.handle_frame(SimTime::from_seconds(case.config.period_s), &case.frame());
+        let time = SimTime::from_seconds(case.config.period_s);
+        agent.handle_frame(time, &case.frame());
+        agent.handle_timeout(time);
         Self { sets: sets(&agent), agent }
     }
 
@@ -73,6 +75,8 @@ impl Start {
     fn predict(&mut self, case: &Case, step: u32) -> Vec<Region> {
         let time = SimTime::from_seconds(f64::from(step) * case.config.period_s);
         self.agent.handle_frame(time, &blind(&case.config.camera, Step(step), case.pose));
+        self.agent.handle_timeout(time);
+        assert_eq!(self.agent.knowledge().step, Step(step));
         sets(&self.agent)
     }
 }
@@ -136,7 +140,8 @@ fn a_prediction_hardly_reaches_farther_than_a_target() {
         }
         let n = f64::from(case.config.estimator.disc_vertices);
         let step_m = reach_m(&case) / (std::f64::consts::PI / n).cos() + 1.2e-4;
-        let limit_m = f64::from(STEPS) * step_m;
+        // Slivers of up to a millimetre are always simplified away.
+        let limit_m = f64::from(STEPS) * (step_m + 1e-3);
         for (before, after) in exact.sets.iter().zip(&sets(&exact.agent)) {
             let beyond_m = reach_beyond_m(before, after);
             assert!(beyond_m <= limit_m, "{beyond_m} m, a target can do {limit_m} m");

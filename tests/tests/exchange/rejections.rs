@@ -1,101 +1,22 @@
 //! Everything that is not believed is dropped, counted by reason, reported once, and changes nothing.
 
-use csat_agent::agent::{Event, SetMembershipAgent};
+use csat_agent::agent::Event;
 use csat_agent::exchange::validate::Rejection;
+use csat_experiments::timing::Stopwatch;
 use csat_proto::agent::{Agent, MAX_MESSAGE_BYTES};
-use csat_proto::envelope::{Envelope, EnvelopeError};
+use csat_proto::envelope::EnvelopeError;
 use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
-use csat_proto::message::{Fact, Message, OemCell, OemDelta, Plan, Snapshot};
+use csat_proto::message::HeldFacts;
+use csat_proto::oem::{OemCell, OemDelta, OemPatch};
 use csat_proto::raster::{Grid, Raster};
-use csat_proto::region::{Region, grid_point};
+use csat_proto::region::Region;
 use csat_proto::time::{SimTime, Step};
+use csat_tests::geometry::Point;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::letters::{body, digest, unread_fact};
-
-/// A receiver and an honest message for it, to be spoilt.
-struct Bench {
-    agent: SetMembershipAgent,
-    now: SimTime,
-    envelope: Envelope,
-    fact: Fact,
-}
-
-impl Bench {
-    /// UAV 0, having heard a second life of UAV 1, in the 10th second or later.
-    fn new() -> Self {
-        let (flight, letter) = unread_fact(3);
-        let mut agent = flight.pair.agent(0).clone();
-        let mut envelope = Envelope::decode(&letter.bytes).unwrap();
-        let Message::Fact(fact) = body(&letter) else { panic!("a fact was asked for") };
-        envelope.incarnation = Incarnation(4);
-        let now = flight.pair.time;
-        agent.handle_message(now, &envelope.encode());
-        agent.handle_timeout(now);
-        assert!(agent.rejected().is_empty(), "{:?}", agent.rejected());
-        while agent.poll_event().is_some() {}
-        Self { agent, now, envelope, fact }
-    }
-
-    fn header(&self, spoil: impl FnOnce(&mut Envelope)) -> Vec<u8> {
-        let mut envelope = self.envelope.clone();
-        spoil(&mut envelope);
-        envelope.encode()
-    }
-
-    fn say(&self, message: &Message) -> Vec<u8> {
-        self.header(|e| e.body = postcard::to_stdvec(message).unwrap())
-    }
-
-    fn fact(&self, spoil: impl FnOnce(&mut Fact)) -> Vec<u8> {
-        let mut fact = self.fact.clone();
-        spoil(&mut fact);
-        self.say(&Message::Fact(fact))
-    }
-
-    fn snapshot(&self, spoil: impl FnOnce(&mut Snapshot)) -> Vec<u8> {
-        let mut snapshot = Snapshot {
-            step: self.fact.step,
-            targets: Vec::new(),
-            unexplored: Region::rectangle([10.0; 2]),
-            obstacle_margin: Region::EMPTY,
-            hidden: self.fact.hidden.clone(),
-            seen: self.fact.seen.clone(),
-            oem: Vec::new(),
-        };
-        spoil(&mut snapshot);
-        self.say(&Message::Snapshot(snapshot))
-    }
-
-    fn plan(&self, spoil: impl FnOnce(&mut Plan)) -> Vec<u8> {
-        let step = Step(self.fact.step.0 / 6 * 6);
-        let mut plan = Plan { step, pass: 0, poses: vec![self.envelope.pose; 2] };
-        spoil(&mut plan);
-        let step = plan.step;
-        let message = Message::Plan(plan);
-        self.header(|e| (e.step, e.body) = (step, postcard::to_stdvec(&message).unwrap()))
-    }
-
-    /// # Panics
-    /// When a message is not rejected for that reason, or leaves a trace beyond it.
-    fn expect(&self, reason: &'static str, bytes: &[u8]) {
-        let mut agent = self.agent.clone();
-        let before = digest(&agent);
-        for count in 1..=3 {
-            agent.handle_message(self.now, bytes);
-            let rejected: Vec<_> = agent.rejected().iter().map(|(r, n)| (*r, *n)).collect();
-            assert_eq!(rejected, [(reason, count)]);
-        }
-        agent.handle_timeout(self.now);
-        assert_eq!(digest(&agent), before, "{reason} changed what is known");
-        assert!(agent.poll_transmit().is_none() && agent.poll_command().is_none(), "{reason}");
-        let events: Vec<Event> = std::iter::from_fn(|| agent.poll_event()).collect();
-        let reported = matches!(&events[..], [Event::Rejected { reason: r, detail, .. }]
-            if *r == reason && !detail.is_empty());
-        assert!(reported, "{reason} is to be reported once: {events:?}");
-    }
-}
+use super::letters::digest;
+use super::spoiling::{Bench, ring, shape, square};
 
 /// Does not compile when a reason is added that is not tried below.
 fn every_reason(rejection: &Rejection) {
@@ -117,28 +38,31 @@ fn every_reason(rejection: &Rejection) {
         | Rejection::TooManyVertices { .. }
         | Rejection::Outside
         | Rejection::Winding
+        | Rejection::Crossing
+        | Rejection::Bundle
         | Rejection::Targets
         | Rejection::Grid
         | Rejection::Cell { .. }
+        | Rejection::Digest { .. }
         | Rejection::Full { .. }
         | Rejection::Plan(_) => {}
     }
 }
 
-fn square(half_m: f64, clockwise: bool) -> Region {
-    let mut ring = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
-        .map(|[x, y]: [f64; 2]| grid_point([x * half_m, y * half_m]))
-        .to_vec();
-    if clockwise {
-        ring.reverse();
-    }
-    Region::from_shapes(vec![vec![ring]])
+#[test]
+fn honest_messages_are_believed() {
+    let bench = Bench::new();
+    every_reason(&Rejection::Run);
+    bench.expect_believed(&bench.fact(|f| f.clear_ground = square(20.0, false)));
+    bench.expect_believed(&bench.known(|k| k.unexplored = square(20.0, false)));
+    let mut agent = bench.agent.clone();
+    agent.handle_message(bench.now, &bench.plan(|_| {}));
+    assert!(agent.rejected().is_empty(), "an honest plan is taken over");
 }
 
 #[test]
 fn spoilt_headers_are_rejected() {
     let bench = Bench::new();
-    every_reason(&Rejection::Run);
     let whole = bench.envelope.encode();
     bench.expect("envelope", &vec![0; MAX_MESSAGE_BYTES + 1]);
     bench.expect("envelope", b"what is this?");
@@ -184,41 +108,139 @@ fn spoilt_bodies_are_rejected() {
     bench.expect("malformed", &bench.header(|e| e.body[0] = 77));
     bench.expect("malformed", &bench.header(|e| e.body.truncate(40)));
     bench.expect("step", &bench.fact(|f| f.step = Step(f.step.0 - 1)));
+    bench.expect("step", &bench.known(|k| k.step = Step(k.step.0 + 2)));
+    bench.expect("targets", &bench.fact(|f| f.targets.push(f.targets[0].clone())));
+    let twice = vec![(TargetId(3), square(3.0, false)); 2];
+    bench.expect("targets", &bench.known(|k| k.targets = twice));
+    bench.expect("targets", &bench.fact(|f| f.targets[0].target = TargetId(1024)));
+    bench.expect(
+        "targets",
+        &bench.known(|k| k.targets = vec![(TargetId(1024), square(3.0, false))]),
+    );
+    let grid = Grid { cell_m: 2.0, columns: 7, rows: 7 };
+    bench.expect("grid", &bench.fact(|f| f.hidden = Raster::empty(grid)));
+    bench.expect("grid", &bench.snapshot(|s| s.fact.seen = Raster::empty(grid)));
+}
+
+#[test]
+fn sets_that_cannot_be_are_rejected() {
+    let bench = Bench::new();
     let limit = bench.agent.config().exchange.max_vertices as usize;
     let one = square(1.0, false).into_shapes();
     let many = Region::from_shapes(one.into_iter().cycle().take(limit / 4 + 1).collect());
     bench.expect("vertices", &bench.fact(|f| f.clear_ground = many));
     let side_m = bench.agent.config().ground.size_m[0];
     bench.expect("outside", &bench.fact(|f| f.obstacle_margin = square(side_m, false)));
-    bench.expect("outside", &bench.snapshot(|s| s.unexplored = square(side_m, false)));
+    bench.expect("outside", &bench.known(|k| k.unexplored = square(side_m, false)));
     bench.expect("winding", &bench.fact(|f| f.targets[0].location = square(3.0, true)));
-    bench.expect("winding", &bench.snapshot(|s| s.obstacle_margin = square(3.0, true)));
-    bench.expect("targets", &bench.fact(|f| f.targets.push(f.targets[0].clone())));
-    let twice = vec![(TargetId(3), square(3.0, false)); 2];
-    bench.expect("targets", &bench.snapshot(|s| s.targets = twice));
-    let grid = Grid { cell_m: 2.0, columns: 7, rows: 7 };
-    bench.expect("grid", &bench.fact(|f| f.hidden = Raster::empty(grid)));
-    bench.expect("grid", &bench.snapshot(|s| s.seen = Raster::empty(grid)));
-    let cell = bench.agent.config().oem_grid().cells() as u32;
-    let beyond = vec![OemDelta { cell, state: OemCell::Empty }];
-    bench.expect("cell", &bench.fact(|f| f.oem = beyond.clone()));
-    bench.expect("cell", &bench.snapshot(|s| s.oem = beyond));
+    bench.expect("winding", &bench.known(|k| k.obstacle_margin = square(3.0, true)));
+    let outer: &[Point] = &[[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
+    let hole: &[Point] = &[[-3.0, -3.0], [3.0, -3.0], [3.0, 3.0]];
+    bench.expect("winding", &bench.fact(|f| f.clear_ground = shape(&[outer, hole])));
+    let eight: &[Point] = &[[0.0, 0.0], [9.0, 9.0], [9.0, 0.0], [0.0, 8.0]];
+    bench.expect("crossing", &bench.fact(|f| f.targets[0].exclusion = shape(&[eight])));
+    bench.expect("crossing", &bench.known(|k| k.unexplored = shape(&[eight])));
+    let poking: &[Point] = &[[-3.0, -3.0], [0.0, 12.0], [3.0, -3.0]];
+    bench.expect("crossing", &bench.fact(|f| f.clear_ground = shape(&[outer, poking])));
+    // Two shapes, each fine on its own.
+    let beside = Region::from_shapes(vec![
+        vec![ring(outer)],
+        vec![ring(&[[0.0, 0.0], [20.0, 1.0], [20.0, 2.0]])],
+    ]);
+    bench.expect("crossing", &bench.known(|k| k.targets = vec![(TargetId(3), beside)]));
 }
 
-/// A fact and a snapshot of every UAV and step may wait, not more.
+/// A zigzag whose edges all lie side by side: the check for crossings gives up before it costs much.
+#[test]
+fn a_dense_bundle_is_rejected_at_once() {
+    let bench = Bench::new();
+    let vertices = bench.agent.config().exchange.max_vertices - 8;
+    let side_m = bench.agent.config().ground.size_m[0];
+    for slant_m in [0.0, side_m / 2.0] {
+        let zigzag = (0..vertices).map(|i| {
+            let along = f64::from(i % 2);
+            let p = [(along - 0.5) * side_m, slant_m * (along - 0.5) + f64::from(i) * 2e-5];
+            p.map(|x| x.clamp(-side_m / 2.0, side_m / 2.0))
+        });
+        let bundle = shape(&[&zigzag.collect::<Vec<Point>>()]);
+        let bytes = bench.fact(|f| f.clear_ground = bundle);
+        bench.expect("bundle", &bytes);
+        let (mut agent, watch) = (bench.agent.clone(), Stopwatch::start());
+        agent.handle_message(bench.now, &bytes);
+        let took_ms = watch.elapsed_ms();
+        println!("{} kB refused in {took_ms:.0} ms", bytes.len() / 1000);
+        assert!(took_ms < 200.0, "{took_ms} ms");
+    }
+}
+
+#[test]
+fn maps_that_cannot_be_are_rejected() {
+    let bench = Bench::new();
+    let cells = bench.agent.config().oem_grid().cells() as u32;
+    let upto = |end: u32| OemPatch::of([OemDelta { cell: end - 1, state: OemCell::Empty }]);
+    bench.expect("cell", &bench.fact(|f| f.oem = upto(cells + 1)));
+    bench.expect("cell", &bench.snapshot(|s| s.fact.oem = upto(cells + 1)));
+    let mut agent = bench.agent.clone();
+    agent.handle_message(bench.now, &bench.fact(|f| f.oem = upto(cells)));
+    assert!(agent.rejected().is_empty(), "the last cell is one: {:?}", agent.rejected());
+    // Runs of gap, length, state: a few bytes that claim 2³² cells, and 2³⁴.
+    let runs = vec![(u32::MAX, u32::MAX, OemCell::Empty); 2];
+    for runs in [&runs[..1], &runs] {
+        let bytes = postcard::to_stdvec(runs).unwrap();
+        let claim: OemPatch = postcard::from_bytes(&bytes).unwrap();
+        assert!(bytes.len() < 30 && claim.end() >= 1 << 32);
+        let bytes = bench.fact(|f| f.oem = claim.clone());
+        let watch = Stopwatch::start();
+        bench.expect("cell", &bytes);
+        let took_ms = watch.elapsed_ms();
+        assert!(took_ms < 500.0, "{took_ms} ms: the cells were walked through");
+    }
+}
+
+#[test]
+fn digests_that_cannot_be_are_rejected() {
+    let bench = Bench::new();
+    let life = |origin, incarnation| HeldFacts {
+        origin: AgentId(origin),
+        incarnation: Incarnation(incarnation),
+        count: 3,
+    };
+    let fleet = bench.agent.config().fleet.count;
+    bench.expect("digest", &bench.fact(|f| f.held.facts = vec![life(fleet, 0)]));
+    let unsorted = vec![life(1, 0), life(0, 0)];
+    bench.expect("digest", &bench.fact(|f| f.held.facts = unsorted));
+    bench.expect("digest", &bench.fact(|f| f.held.facts = vec![life(1, 2), life(1, 1)]));
+    let lives = (0..=64 * u32::from(fleet)).map(|i| life(0, i)).collect();
+    bench.expect("digest", &bench.snapshot(|s| s.fact.held.facts = lives));
+    let blocks = csat_agent::estimate::oem::Oem::blocks(&bench.agent.config().oem_grid());
+    for wrong in [1, blocks - 1, blocks + 1] {
+        bench.expect("digest", &bench.fact(|f| f.held.oem = vec![7; wrong]));
+    }
+    bench.expect_believed(&bench.fact(|f| {
+        (f.held.facts, f.held.oem) = (vec![life(0, 0), life(1, 4)], vec![7; blocks]);
+        f.clear_ground = square(20.0, false);
+    }));
+}
+
+/// A fact of every UAV and step may wait, not more.
 #[test]
 fn a_flood_is_not_kept() {
     let mut bench = Bench::new();
     let config = bench.agent.config().clone();
-    let steps = (config.exchange.max_age_s / config.period_s).ceil() as usize + 1;
-    let (max, bytes) = (2 * steps * usize::from(config.fleet.count), bench.envelope.encode());
+    let steps = (config.exchange.max_age_s / config.period_s).ceil() as u32 + 1;
+    let (max, first) = (steps * u32::from(config.fleet.count), bench.fact.number);
+    let another = |i: u32| bench.fact(|f| f.number = first + i);
     let before = digest(&bench.agent);
-    for _ in 0..max {
-        bench.agent.handle_message(bench.now, &bytes);
+    let flood: Vec<Vec<u8>> = (0..max + 3).map(another).collect();
+    let (kept, refused) = flood.split_at(max as usize);
+    for bytes in kept {
+        bench.agent.handle_message(bench.now, bytes);
+        // Repeats take no room.
+        bench.agent.handle_message(bench.now, bytes);
     }
     assert!(bench.agent.rejected().is_empty(), "{:?}", bench.agent.rejected());
-    for count in 1..=3 {
-        bench.agent.handle_message(bench.now, &bytes);
+    for (bytes, count) in refused.iter().zip(1..) {
+        bench.agent.handle_message(bench.now, bytes);
         assert_eq!(bench.agent.rejected().get("full"), Some(&count));
     }
     let event = bench.agent.poll_event();
@@ -234,9 +256,6 @@ fn spoilt_plans_are_rejected() {
     bench.expect("plan", &bench.plan(|p| p.poses.clear()));
     bench.expect("plan", &bench.plan(|p| p.poses = vec![p.poses[0]; 256]));
     bench.expect("plan", &bench.plan(|p| p.poses[0].p_world[1] = f64::NAN));
-    let mut agent = bench.agent.clone();
-    agent.handle_message(bench.now, &bench.plan(|_| {}));
-    assert!(agent.rejected().is_empty(), "an honest plan is taken over");
 }
 
 /// Bodies damaged under a correct checksum: a liar's, not a bad link's. Believed or not, no panic.

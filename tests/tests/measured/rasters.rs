@@ -2,7 +2,7 @@
 
 use csat_agent::sense::Sensor;
 use csat_proto::camera::{Assumption, CameraView};
-use csat_proto::message::OemCell;
+use csat_proto::oem::OemCell;
 use csat_proto::raster::{Grid, Raster};
 use csat_tests::geometry::{Pinhole, Point};
 use csat_tests::replay::{for_seeds, is_replay};

@@ -1,5 +1,7 @@
 //! What the commands of `csat` do, with their exit codes.
 
+mod sweep;
+
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -16,6 +18,8 @@ use csat_experiments::record::{Finished, RecordError, RecordOptions, Recorder};
 use csat_experiments::run_folder::{Destination, FolderError};
 use csat_experiments::scenario::{self, Loaded, Mistakes, Request};
 use csat_experiments::verdict::{BAD_INPUT, DONE, verdict};
+
+pub use sweep::sweep;
 
 fn load(arguments: &ScenarioArguments) -> Result<Loaded, Mistakes> {
     let ScenarioArguments { scenario, sets, seed } = arguments;

@@ -1,0 +1,118 @@
+//! What frames prove, one's own and those of others, as of the receiver's step.
+
+use csat_proto::ids::{AgentId, Incarnation};
+use csat_proto::message::{Fact, Known};
+use csat_proto::region::Region;
+use csat_proto::time::Step;
+
+use crate::config::AgentConfig;
+use crate::mutant::{Mutant, is_on};
+use crate::region::{Inner, Outer, Reach};
+use crate::sense::{Measured, MeasuredTarget};
+
+/// A valid fact and whose it is, with what else its sender knew if it came in a snapshot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Heard {
+    /// The sender.
+    pub src: AgentId,
+    /// Its life.
+    pub incarnation: Incarnation,
+    /// What its frame proved.
+    pub fact: Fact,
+    /// What it knew before.
+    pub known: Option<Known>,
+}
+
+/// What one frame proves about a later step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evidence {
+    /// Contains no target location.
+    pub clear_ground: Inner,
+    /// Contains no target location, ever.
+    pub obstacle_margin: Inner,
+    /// The identified targets, by increasing index: where they may be, and where no other can be.
+    pub targets: Vec<MeasuredTarget>,
+}
+
+impl Evidence {
+    /// What an own frame proves about its own step.
+    pub fn fresh(measured: &Measured) -> Self {
+        Self {
+            clear_ground: measured.clear_ground.clone(),
+            obstacle_margin: measured.obstacle_margin.clone(),
+            targets: measured.targets.clone(),
+        }
+    }
+}
+
+/// Makes old sets say what they still say now.
+///
+/// A target moves by at most d = v_max·(age + clock skew bound), so outer sets are dilated by d and
+/// inner ones eroded.
+#[derive(Debug, Clone)]
+pub struct Ager {
+    v_max_m_s: f64,
+    period_s: f64,
+    clock_skew_s: f64,
+    vertices: u16,
+    ground: Region,
+}
+
+impl Ager {
+    /// For targets of `config`'s v_max.
+    pub fn new(config: &AgentConfig) -> Self {
+        Self {
+            v_max_m_s: config.targets.v_max_m_s,
+            period_s: config.period_s,
+            clock_skew_s: config.exchange.clock_skew_s,
+            vertices: config.estimator.disc_vertices,
+            ground: Region::rectangle(config.ground.size_m),
+        }
+    }
+
+    /// The disc a target may move in between two steps; `None` if it cannot have moved.
+    pub fn reach(&self, a: Step, b: Step) -> Option<Reach> {
+        let age_s = f64::from(a.0.abs_diff(b.0)) * self.period_s;
+        let radius_m = self.v_max_m_s * (age_s + self.clock_skew_s);
+        (radius_m > 0.0).then(|| Reach::new(radius_m, self.vertices))
+    }
+
+    /// What a fact proves at step `now`.
+    pub fn evidence(&self, fact: Fact, now: Step) -> Evidence {
+        let reach = self.reach(now, fact.step);
+        let reach = reach.as_ref();
+        let unless = |mutant| reach.filter(|_| !is_on(mutant));
+        let targets = fact.targets.into_iter().map(|seen| MeasuredTarget {
+            target: seen.target,
+            location: self.dilated(seen.location, unless(Mutant::DetectionNotDilated)),
+            exclusion: eroded(seen.exclusion, unless(Mutant::ExclusionNotEroded)),
+        });
+        let clear_ground = match is_on(Mutant::ClearGroundDilated) {
+            true => Inner::within(self.dilated(fact.clear_ground, reach).into_region()),
+            false => eroded(fact.clear_ground, unless(Mutant::ClearGroundNotEroded)),
+        };
+        Evidence {
+            targets: targets.collect(),
+            clear_ground,
+            // Static: age does not matter.
+            obstacle_margin: Inner::within(fact.obstacle_margin),
+        }
+    }
+
+    /// A received outer set, grown by what a target can do within `reach`.
+    pub fn dilated(&self, region: Region, reach: Option<&Reach>) -> Outer {
+        let set = Outer::containing(region);
+        match reach {
+            Some(reach) => set.dilated_far(reach, &self.ground),
+            None => set,
+        }
+    }
+}
+
+fn eroded(region: Region, reach: Option<&Reach>) -> Inner {
+    let set = Inner::within(region);
+    match reach {
+        Some(reach) => set.eroded_far(reach),
+        None => set,
+    }
+}

@@ -1,0 +1,139 @@
+//! Making messages fit a budget of bytes, the safe way.
+//!
+//! Outer sets grow and inner ones shrink until a message fits: each level doubles the tolerance, which
+//! is the larger the farther a shape is from where anybody flies. What carries no guarantee is left
+//! out on the way, and in the end inner sets are empty and outer ones are boxes. If even that is too
+//! long nothing is said.
+
+use csat_proto::envelope::Envelope;
+use csat_proto::message::{Fact, Known};
+use csat_proto::oem::OemPatch;
+use csat_proto::raster::Raster;
+use csat_proto::region::{GridBox, GridPoint, Region, Shape, metres};
+
+use crate::mutant::{Mutant, is_on};
+use crate::region::{Inner, Outer};
+
+/// Tolerance of the first level next to a UAV, metres.
+const FINEST_M: f64 = 0.25;
+/// The tolerance grows by its own size for every this many metres from the nearest UAV.
+const DISTANCE_M: f64 = 50.0;
+/// Levels of simplification; after the last one sets are empty or boxes.
+const LEVELS: u32 = 8;
+/// From this level on the views of cameras are left out.
+const BLIND_LEVEL: u32 = 4;
+/// Runs of map cells at the first level; half as many at each that follows.
+const RUNS: usize = 512;
+
+/// The finest of the bodies that `encoded` makes at levels 0, 1, … that fits into `limit` bytes with
+/// its envelope.
+pub fn fit(limit: f64, encoded: impl Fn(u32) -> Vec<u8>) -> Option<Vec<u8>> {
+    let room = limit - Envelope::HEADER_BYTES_MAX as f64;
+    (0..=LEVELS).map(encoded).find(|body| body.len() as f64 <= room)
+}
+
+/// Simplifies sets by the distance from where somebody flies.
+#[derive(Debug, Clone)]
+pub struct Shortener {
+    level: u32,
+    /// Where UAVs are, metres.
+    uavs: Vec<[f64; 2]>,
+    /// X_g.
+    ground: Outer,
+}
+
+impl Shortener {
+    /// Level 0 changes nothing.
+    pub fn new(level: u32, uavs: &[[f64; 2]], ground: &Region) -> Self {
+        Self { level, uavs: uavs.to_vec(), ground: Outer::containing(ground.clone()) }
+    }
+
+    /// A shorter fact that claims less.
+    pub fn fact(&self, fact: &Fact) -> Fact {
+        if self.level == 0 {
+            return fact.clone();
+        }
+        let view = |raster: &Raster| match self.level {
+            0..BLIND_LEVEL => raster.clone(),
+            _ => Raster::empty(*raster.grid()),
+        };
+        let mut short = Fact {
+            clear_ground: self.inner(&fact.clear_ground),
+            obstacle_margin: self.inner(&fact.obstacle_margin),
+            hidden: view(&fact.hidden),
+            seen: view(&fact.seen),
+            oem: self.patch(&fact.oem),
+            ..fact.clone()
+        };
+        for target in &mut short.targets {
+            target.location = self.outer(&target.location);
+            target.exclusion = self.inner(&target.exclusion);
+        }
+        short
+    }
+
+    /// Shorter knowledge that claims less.
+    pub fn known(&self, known: &Known) -> Known {
+        if self.level == 0 {
+            return known.clone();
+        }
+        Known {
+            step: known.step,
+            targets: known.targets.iter().map(|(j, set)| (*j, self.outer(set))).collect(),
+            unexplored: self.outer(&known.unexplored),
+            obstacle_margin: self.inner(&known.obstacle_margin),
+        }
+    }
+
+    fn patch(&self, patch: &OemPatch) -> OemPatch {
+        if self.level >= LEVELS {
+            OemPatch::default()
+        } else {
+            patch.first_runs(RUNS >> self.level)
+        }
+    }
+
+    fn inner(&self, region: &Region) -> Region {
+        if self.level >= LEVELS {
+            return Region::EMPTY;
+        }
+        if is_on(Mutant::InnerGrownForBudget) {
+            return boxed(region);
+        }
+        let set = Inner::within(region.clone());
+        set.simplified_by(|shape| self.tolerance_m(shape)).into_region()
+    }
+
+    fn outer(&self, region: &Region) -> Region {
+        if self.level >= LEVELS {
+            return boxed(region);
+        }
+        if is_on(Mutant::OuterShrunkForBudget) {
+            let set = Inner::within(region.clone());
+            return set.simplified_by(|shape| self.tolerance_m(shape)).into_region();
+        }
+        let set = Outer::containing(region.clone());
+        let simplified = set.simplified_by(|shape| self.tolerance_m(shape));
+        simplified.intersection(&self.ground).into_region()
+    }
+
+    fn tolerance_m(&self, shape: &Shape) -> f64 {
+        let finest_m = FINEST_M * f64::from(1u32 << (self.level - 1));
+        let distance_m = GridBox::around(&shape[0]).map_or(0.0, |b| {
+            let nearest = |p: &[f64; 2]| {
+                let (min, max) = (metres(b.min), metres(b.max));
+                (p[0] - p[0].clamp(min[0], max[0])).hypot(p[1] - p[1].clamp(min[1], max[1]))
+            };
+            self.uavs.iter().map(nearest).fold(f64::INFINITY, f64::min)
+        });
+        let distance_m = if distance_m.is_finite() { distance_m } else { 0.0 };
+        finest_m * (1.0 + distance_m / DISTANCE_M)
+    }
+}
+
+/// The box around a region.
+fn boxed(region: &Region) -> Region {
+    let Some(GridBox { min, max }) = region.bounds() else { return Region::EMPTY };
+    let corners = [min, GridPoint::new(max.x, min.y), max, GridPoint::new(min.x, max.y)];
+    Region::from_shapes(vec![vec![corners.to_vec()]])
+}

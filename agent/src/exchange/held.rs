@@ -1,0 +1,154 @@
+//! Which facts the own knowledge contains.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use csat_proto::ids::{AgentId, Incarnation};
+use csat_proto::message::HeldFacts;
+
+use crate::config::AgentConfig;
+use crate::mutant::{Mutant, is_on};
+
+/// Lives that are remembered per agent: whatever others claim, memory and digests stay bounded.
+pub const LIVES: usize = 64;
+
+/// Per life of each agent, the facts that the own knowledge contains.
+#[derive(Debug, Clone)]
+pub struct Held {
+    lives: BTreeMap<(AgentId, Incarnation), Life>,
+    /// How many numbers are remembered per life: those of facts young enough to be accepted.
+    window: usize,
+}
+
+#[derive(Debug, Clone, Default)]
+struct Life {
+    /// Facts 0 to `count` - 1 are contained, applied one by one or through a snapshot.
+    count: u32,
+    /// The newest numbers that were applied themselves.
+    applied: BTreeSet<u32>,
+}
+
+impl Life {
+    /// Counts the facts that follow those counted.
+    fn count_on(&mut self) {
+        while self.count < u32::MAX && self.applied.contains(&self.count) {
+            self.count += 1;
+        }
+    }
+}
+
+impl Held {
+    /// Nothing.
+    pub fn new(config: &AgentConfig) -> Self {
+        let window = (config.exchange.max_age_s / config.period_s).ceil().max(1.0) as usize + 2;
+        Self { lives: BTreeMap::new(), window }
+    }
+
+    /// Whether a fact was applied already: a repeat brings nothing.
+    pub fn has_applied(&self, src: AgentId, incarnation: Incarnation, number: u32) -> bool {
+        if is_on(Mutant::RepeatsOfOtherLivesIgnored) {
+            return self
+                .lives
+                .iter()
+                .any(|((of, _), life)| *of == src && life.applied.contains(&number));
+        }
+        self.lives.get(&(src, incarnation)).is_some_and(|life| life.applied.contains(&number))
+    }
+
+    /// A fact was applied.
+    pub fn apply(&mut self, src: AgentId, incarnation: Incarnation, number: u32) {
+        let window = self.window;
+        let life = self.life(src, incarnation);
+        life.applied.insert(number);
+        life.count_on();
+        while life.applied.len() > window {
+            life.applied.pop_first();
+        }
+    }
+
+    /// A snapshot that contains these facts was applied.
+    pub fn adopt(&mut self, facts: &[HeldFacts]) {
+        for facts in facts {
+            let life = self.life(facts.origin, facts.incarnation);
+            life.count = life.count.max(facts.count);
+            life.count_on();
+        }
+    }
+
+    /// A life of an agent; a new one takes the place of the oldest if there are too many.
+    fn life(&mut self, src: AgentId, incarnation: Incarnation) -> &mut Life {
+        let key = (src, incarnation);
+        let all = (src, Incarnation(0))..=(src, Incarnation(u32::MAX));
+        if !self.lives.contains_key(&key) && self.lives.range(all.clone()).count() >= LIVES {
+            let oldest = self.lives.range(all).next().map(|(key, _)| *key);
+            oldest.map(|oldest| self.lives.remove(&oldest));
+        }
+        self.lives.entry(key).or_default()
+    }
+
+    /// What is held, for others to see.
+    pub fn facts(&self) -> Vec<HeldFacts> {
+        let facts = |(&(origin, incarnation), life): (&(AgentId, Incarnation), &Life)| {
+            (life.count > 0).then_some(HeldFacts { origin, incarnation, count: life.count })
+        };
+        self.lives.iter().filter_map(facts).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIFE: (AgentId, Incarnation) = (AgentId(1), Incarnation(0));
+
+    fn held() -> Held {
+        Held { lives: BTreeMap::new(), window: 5 }
+    }
+
+    fn count(held: &Held) -> u32 {
+        held.facts().first().map_or(0, |facts| facts.count)
+    }
+
+    #[test]
+    fn a_gap_ends_what_is_held_until_it_is_filled() {
+        let mut held = held();
+        for (number, expected) in [(1, 0), (0, 2), (3, 2), (4, 2), (2, 5), (2, 5)] {
+            held.apply(LIFE.0, LIFE.1, number);
+            assert_eq!(count(&held), expected, "after {number}");
+        }
+        assert!(held.has_applied(LIFE.0, LIFE.1, 3) && !held.has_applied(LIFE.0, LIFE.1, 5));
+        assert!(!held.has_applied(LIFE.0, Incarnation(1), 3), "a new life begins anew");
+    }
+
+    #[test]
+    fn a_snapshot_fills_gaps_but_its_facts_are_still_news() {
+        let mut held = held();
+        held.apply(LIFE.0, LIFE.1, 9);
+        held.adopt(&[HeldFacts { origin: LIFE.0, incarnation: LIFE.1, count: 9 }]);
+        assert_eq!(count(&held), 10);
+        assert!(!held.has_applied(LIFE.0, LIFE.1, 7), "itself it says more than the snapshot");
+        held.adopt(&[HeldFacts { origin: LIFE.0, incarnation: LIFE.1, count: 3 }]);
+        assert_eq!(count(&held), 10, "an older snapshot takes nothing away");
+    }
+
+    #[test]
+    fn memory_is_bounded() {
+        let mut held = held();
+        (0..1000).map(|i| 2 * i).for_each(|number| held.apply(LIFE.0, LIFE.1, number));
+        assert_eq!(held.lives[&LIFE].applied.len(), 5);
+        assert_eq!(count(&held), 1);
+        for incarnation in (0..1000).map(Incarnation) {
+            held.adopt(&[HeldFacts { origin: AgentId(2), incarnation, count: 7 }]);
+        }
+        assert_eq!(held.facts().len(), 1 + LIVES);
+        let newest = HeldFacts { origin: AgentId(2), incarnation: Incarnation(999), count: 7 };
+        assert_eq!(held.facts().last(), Some(&newest));
+    }
+
+    #[test]
+    fn the_last_number_is_no_trap() {
+        let mut held = held();
+        held.adopt(&[HeldFacts { origin: LIFE.0, incarnation: LIFE.1, count: u32::MAX }]);
+        held.apply(LIFE.0, LIFE.1, u32::MAX);
+        assert_eq!(count(&held), u32::MAX);
+    }
+}

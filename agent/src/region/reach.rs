@@ -1,0 +1,104 @@
+//! Dilations and erosions by far more than a set's details.
+
+use csat_proto::region::{GridBox, Region, Ring, Shape, UNITS_PER_M};
+
+use super::sweep::{dilated_path, eroded_path};
+use super::{Disc, Inner, Outer, RULE, overlay};
+
+/// The largest disc that sets are swept with at once, metres.
+const FIRST_STAGE_M: f64 = 2.0;
+/// Before each later stage sets are simplified by this share of the way so far.
+const STAGE_TOLERANCE: f64 = 1.0 / 32.0;
+
+/// A disc of any size, in stages.
+///
+/// Swept with a disc much larger than its details, a set's raw path crosses itself as often as the set
+/// has pairs of edges: for thousands of vertices and a minute of age, gigabytes. So the way is gone in
+/// stages, each as long as all before it together, with a simplification before each: details are
+/// gone before they are swept far. The stages' polygons are homothetic, so that their Minkowski sum
+/// is the polygon of the whole disc.
+#[derive(Debug, Clone)]
+pub struct Reach {
+    whole: Disc,
+    stages: Vec<Stage>,
+}
+
+#[derive(Debug, Clone)]
+struct Stage {
+    disc: Disc,
+    radius_m: f64,
+    tolerance_m: f64,
+}
+
+impl Reach {
+    /// A disc of `radius_m`, by circumscribed polygons of `vertices` corners.
+    pub fn new(radius_m: f64, vertices: u16) -> Self {
+        let mut stages = Vec::new();
+        let mut done_m = 0.0;
+        while done_m < radius_m && radius_m.is_finite() {
+            let part_m = (radius_m - done_m).min(f64::max(done_m, FIRST_STAGE_M));
+            let tolerance_m = done_m * STAGE_TOLERANCE;
+            let disc = Disc::circumscribed(part_m, vertices);
+            stages.push(Stage { disc, radius_m: part_m, tolerance_m });
+            done_m += part_m;
+        }
+        Self { whole: Disc::circumscribed(radius_m, vertices), stages }
+    }
+}
+
+impl Outer {
+    /// A superset of (self ⊕ reach) ∩ bounds, by at most a sixteenth of the reach.
+    pub fn dilated_far(&self, reach: &Reach, bounds: &Region) -> Outer {
+        if !reach.whole.fits(self.region()) {
+            return Outer::containing(bounds.clone());
+        }
+        let mut paths: Vec<Ring> = self.region().rings().cloned().collect();
+        for (index, stage) in reach.stages.iter().enumerate() {
+            let set = match index {
+                0 => self.clone(),
+                _ => Outer::containing(overlay(&paths, [], RULE::Subject))
+                    .simplified(stage.tolerance_m),
+            };
+            let rings = set.region().shapes().iter().flat_map(|shape| stage.swept_rings(shape));
+            paths = rings.map(|ring| dilated_path(ring, &stage.disc)).collect();
+        }
+        Outer::containing(overlay(&paths, bounds.rings(), RULE::Intersect))
+    }
+}
+
+impl Inner {
+    /// A subset of self ⊖ reach, by at most a sixteenth of the reach.
+    pub fn eroded_far(&self, reach: &Reach) -> Inner {
+        if !reach.whole.fits(self.region()) {
+            return Inner::default();
+        }
+        let mut left = self.clone();
+        for stage in &reach.stages {
+            if stage.tolerance_m > 0.0 {
+                left = left.simplified(stage.tolerance_m);
+            }
+            let shapes = left.region().shapes().iter();
+            let rings = shapes.filter(|shape| !stage.exceeds(&shape[0])).flatten();
+            let paths: Vec<Ring> = rings.map(|ring| eroded_path(ring, &stage.disc)).collect();
+            left = Inner::within(overlay(&paths, [], RULE::Subject));
+        }
+        left
+    }
+}
+
+impl Stage {
+    /// The rings of a shape but for holes that a dilation fills.
+    fn swept_rings<'a>(&self, shape: &'a Shape) -> impl Iterator<Item = &'a Ring> {
+        let holes: Vec<&Ring> = shape.iter().skip(1).filter(|ring| !self.exceeds(ring)).collect();
+        shape.first().into_iter().chain(holes)
+    }
+
+    /// Whether the disc fits nowhere into a ring, because it does not fit into its box.
+    fn exceeds(&self, ring: &Ring) -> bool {
+        let side = |min: i32, max: i32| f64::from(max) - f64::from(min);
+        GridBox::around(ring).is_none_or(|b| {
+            let room = side(b.min.x, b.max.x).min(side(b.min.y, b.max.y));
+            room < 2.0 * self.radius_m * UNITS_PER_M
+        })
+    }
+}

@@ -1,0 +1,244 @@
+//! The folder of a sweep; several processes may write into it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::manifest::Manifest;
+use super::plan::Run;
+use super::record::RunRecord;
+use super::seeds::Shard;
+use super::{SweepError, refused_by_system};
+use crate::run_folder::Destination;
+
+const MANIFEST: &str = "sweep.json";
+
+/// A sweep's folder.
+#[derive(Debug, Clone)]
+pub struct SweepFolder {
+    root: PathBuf,
+    /// Distinguishes the temporary files of processes that share the folder.
+    tag: String,
+}
+
+/// How to take a folder.
+#[derive(Debug, Clone, Copy)]
+pub struct Taking {
+    /// The part of the sweep that this process flies.
+    pub shard: Shard,
+    /// Whether runs may be there already.
+    pub resume: bool,
+}
+
+/// The folder that is used when the user names none: the first free one, or with `resume` the last
+/// one that is there.
+///
+/// # Errors
+/// When the system refuses.
+pub fn default_root(name: &str, resume: bool) -> Result<PathBuf, SweepError> {
+    let free = Destination::Numbered(PathBuf::from("sweeps").join(name)).resolve()?;
+    if !resume {
+        return Ok(free);
+    }
+    let number = |path: &Path| {
+        let file = path.file_name()?.to_str()?.strip_prefix(name)?;
+        if file.is_empty() { Some(1) } else { file.strip_prefix('-')?.parse::<u64>().ok() }
+    };
+    let there = fs::read_dir("sweeps").into_iter().flatten().flatten().map(|entry| entry.path());
+    Ok(there.filter(|path| number(path).is_some()).max_by_key(|p| number(p)).unwrap_or(free))
+}
+
+impl SweepFolder {
+    /// A folder that holds a sweep, to be read and merged.
+    pub fn at(root: &Path) -> Self {
+        Self { root: root.to_owned(), tag: format!("merge-{}", std::process::id()) }
+    }
+
+    /// Takes a folder for a sweep: a new or empty one, or one with the same sweep in it when that is
+    /// to be resumed, or for another shard of it.
+    ///
+    /// # Errors
+    /// When the folder holds something else, or the system refuses.
+    pub fn take(root: &Path, manifest: &Manifest, taking: Taking) -> Result<Self, SweepError> {
+        let Taking { shard, resume } = taking;
+        let tag = format!("{}of{}-{}", shard.index, shard.count, std::process::id());
+        let folder = Self { root: root.to_owned(), tag };
+        let shared = shard.count > 1;
+        if !root.join(MANIFEST).exists() {
+            folder.refuse_strangers()?;
+            folder.create("runs")?;
+            folder.put_manifest(manifest)?;
+        } else if !resume && !shared {
+            return Err(SweepError::Refused(format!(
+                "error: `{}` holds a sweep\n  = expected with --out a folder that is new or empty, \
+                 or --resume to go on with that sweep",
+                root.display()
+            )));
+        }
+        // Also after writing it: another shard may have been quicker.
+        let there = folder.manifest()?;
+        let differences = manifest.differences(&there);
+        if !differences.is_empty() {
+            let lines: String = differences.iter().map(|d| format!("  = {d}\n")).collect();
+            return Err(SweepError::Refused(format!(
+                "error: `{}` holds another sweep\n{}",
+                root.display(),
+                lines.trim_end()
+            )));
+        }
+        folder.create("runs")?;
+        if shared && !resume {
+            let runs = manifest.runs(shard);
+            let flown = runs.iter().find(|run| folder.run_path(manifest, run).exists());
+            if let Some(run) = flown {
+                return Err(SweepError::Refused(format!(
+                    "error: shard {}/{} has flown `{}` already\n  = expected --resume to go on \
+                     with it",
+                    shard.index,
+                    shard.count,
+                    manifest.run_name(run)
+                )));
+            }
+        }
+        folder.clear_partial(shard)?;
+        Ok(folder)
+    }
+
+    /// Its path.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// What is in a folder without a manifest must be what another shard is just writing.
+    fn refuse_strangers(&self) -> Result<(), SweepError> {
+        let root = &self.root;
+        if root.symlink_metadata().is_ok() && !root.is_dir() {
+            let text = format!("error: `{}` is not a folder", root.display());
+            return Err(SweepError::Refused(text));
+        }
+        let mut names = fs::read_dir(root).into_iter().flatten().flatten().map(|e| e.file_name());
+        let ours =
+            |name: &str| name == MANIFEST || name == "runs" || name.starts_with(".sweep.json.");
+        match names.find(|name| !ours(&name.to_string_lossy())) {
+            None => Ok(()),
+            Some(name) => Err(SweepError::Refused(format!(
+                "error: `{}` exists and is not empty: `{}` is in it\n  = expected with --out a \
+                 folder that is new or empty, or one of a sweep with --resume",
+                root.display(),
+                name.to_string_lossy()
+            ))),
+        }
+    }
+
+    fn create(&self, name: &str) -> Result<PathBuf, SweepError> {
+        let path = self.root.join(name);
+        fs::create_dir_all(&path).map_err(|e| refused_by_system("create", &path, e))?;
+        Ok(path)
+    }
+
+    fn put_manifest(&self, manifest: &Manifest) -> Result<(), SweepError> {
+        let path = self.root.join(MANIFEST);
+        let temporary = self.temporary(MANIFEST);
+        fs::write(&temporary, manifest.to_json())
+            .map_err(|e| refused_by_system("write", &temporary, e))?;
+        // Unlike a rename, a link never replaces the manifest of a quicker shard.
+        let linked = fs::hard_link(&temporary, &path);
+        if linked.is_err() && !path.exists() {
+            // A file system without links.
+            return fs::rename(&temporary, &path)
+                .map_err(|e| refused_by_system("rename to", &path, e));
+        }
+        fs::remove_file(&temporary).map_err(|e| refused_by_system("remove", &temporary, e))
+    }
+
+    fn temporary(&self, name: &str) -> PathBuf {
+        let path = self.root.join(name);
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        path.with_file_name(format!(".{file}.{}.tmp", self.tag))
+    }
+
+    /// Writes a file: whole under its name, or not there.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn write(&self, name: &str, text: &str) -> Result<(), SweepError> {
+        let (path, temporary) = (self.root.join(name), self.temporary(name));
+        fs::write(&temporary, text).map_err(|e| refused_by_system("write", &temporary, e))?;
+        fs::rename(&temporary, &path).map_err(|e| refused_by_system("rename to", &path, e))
+    }
+
+    /// The manifest that is there.
+    ///
+    /// # Errors
+    /// When there is none, or it is none.
+    pub fn manifest(&self) -> Result<Manifest, SweepError> {
+        read_json(&self.root.join(MANIFEST), "the manifest of a sweep")
+    }
+
+    /// The path of a run's file.
+    pub fn run_path(&self, manifest: &Manifest, run: &Run) -> PathBuf {
+        self.root.join("runs").join(format!("{}.json", manifest.run_name(run)))
+    }
+
+    /// Writes a run down.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn put_run(&self, manifest: &Manifest, run: &Run, text: &str) -> Result<(), SweepError> {
+        self.write(&format!("runs/{}.json", manifest.run_name(run)), text)
+    }
+
+    /// The file of a run; `None` when it is not there.
+    ///
+    /// # Errors
+    /// When it is no such file, or that of another sweep.
+    pub fn run(&self, manifest: &Manifest, run: &Run) -> Result<Option<RunRecord>, SweepError> {
+        let path = self.run_path(manifest, run);
+        if !path.exists() {
+            return Ok(None);
+        }
+        let record: RunRecord = read_json(&path, "the file of a run")?;
+        if record.sweep != manifest.fingerprint() {
+            let reason = format!("it belongs to sweep {}", record.sweep);
+            return Err(SweepError::Unreadable { path, expected: "a run of this sweep", reason });
+        }
+        Ok(Some(record))
+    }
+
+    /// Where a run is while it flies: nobody's result.
+    pub fn partial(&self, shard: Shard, run_name: &str) -> PathBuf {
+        self.partial_of(shard).join(run_name)
+    }
+
+    /// Where the whole run folder goes, if it is kept.
+    pub fn kept(&self, run_name: &str) -> PathBuf {
+        self.root.join("folders").join(run_name)
+    }
+
+    fn partial_of(&self, shard: Shard) -> PathBuf {
+        self.root.join(".partial").join(format!("{}of{}", shard.index, shard.count))
+    }
+
+    /// Removes what died in the middle of a run of this shard.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn clear_partial(&self, shard: Shard) -> Result<(), SweepError> {
+        let partial = self.partial_of(shard);
+        if partial.exists() {
+            fs::remove_dir_all(&partial).map_err(|e| refused_by_system("remove", &partial, e))?;
+        }
+        // Only when no other shard is at work.
+        let _ = fs::remove_dir(self.root.join(".partial"));
+        Ok(())
+    }
+}
+
+fn read_json<T: serde::de::DeserializeOwned>(
+    path: &Path,
+    expected: &'static str,
+) -> Result<T, SweepError> {
+    let refuse =
+        |reason: String| SweepError::Unreadable { path: path.to_owned(), expected, reason };
+    let text = fs::read_to_string(path).map_err(|e| refuse(e.to_string()))?;
+    serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))
+}

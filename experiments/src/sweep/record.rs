@@ -1,0 +1,94 @@
+//! The file of one run.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::manifest::Manifest;
+use super::plan::Run;
+
+/// What became of one run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunRecord {
+    /// [`Manifest::fingerprint`].
+    pub sweep: String,
+    /// Name of the point.
+    pub point: String,
+    /// The seed.
+    pub seed: u64,
+    /// The point's values by key.
+    pub vary: BTreeMap<String, String>,
+    /// The command that flies it again.
+    pub replay: String,
+    /// Why there is no summary.
+    pub failed: Option<String>,
+    /// `summary.json` of the run.
+    pub summary: Option<Value>,
+}
+
+impl RunRecord {
+    /// Of a run; `outcome` is its summary, or why there is none.
+    pub fn new(manifest: &Manifest, run: &Run, outcome: Result<Value, String>) -> Self {
+        let point = &manifest.points[run.point];
+        let mut vary = BTreeMap::new();
+        for (axis, choice) in manifest.vary.iter().zip(&point.choice) {
+            if let Some(index) = choice {
+                let texts = &axis.values[*index].texts;
+                vary.extend(axis.keys.iter().cloned().zip(texts.iter().cloned()));
+            }
+        }
+        let (summary, failed) = match outcome {
+            Ok(summary) => (Some(summary), None),
+            Err(why) => (None, Some(why)),
+        };
+        Self {
+            sweep: manifest.fingerprint(),
+            point: point.name.clone(),
+            seed: run.seed,
+            vary,
+            replay: manifest.replay(run),
+            failed,
+            summary,
+        }
+    }
+
+    /// As JSON.
+    pub fn to_json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("a record is JSON") + "\n"
+    }
+
+    /// What the monitor found; 0 for a run that failed.
+    pub fn violations(&self) -> u64 {
+        self.number("violations").map_or(0, |n| n as u64)
+    }
+
+    /// A number of the summary by its dotted key.
+    pub fn number(&self, key: &str) -> Option<f64> {
+        let summary = self.summary.as_ref()?;
+        key.split('.').try_fold(summary, |value, key| value.get(key))?.as_f64()
+    }
+
+    /// Hash of the whole run.
+    pub fn digest(&self) -> Option<&str> {
+        self.summary.as_ref()?.get("digest")?.as_str()
+    }
+
+    /// In a line for a person.
+    pub fn describe(&self) -> String {
+        if let Some(why) = &self.failed {
+            return format!("FAILED: {}", why.lines().next().unwrap_or_default());
+        }
+        let number = |key| self.number(key).map_or("-".to_owned(), |n| format!("{n}"));
+        let unexplored = self.number("unexplored_pct").unwrap_or_default();
+        let violated = match self.violations() {
+            0 => String::new(),
+            n => format!(", VIOLATIONS {n}"),
+        };
+        format!(
+            "identified {}/{}, unexplored {unexplored:.1} %{violated}",
+            number("identified"),
+            number("targets"),
+        )
+    }
+}

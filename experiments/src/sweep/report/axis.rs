@@ -1,0 +1,264 @@
+//! Where values stand along an axis.
+
+use crate::sweep::vary::Axis;
+
+/// Above this ratio of the greatest to the least value, distances are ratios.
+const LOGARITHMIC_FROM: f64 = 20.0;
+/// Width of a character of a label, in units of its size.
+const CHARACTER: f64 = 0.56;
+/// How far labels lean that have no room, degrees.
+pub const LEAN_DEG: f64 = 32.0;
+/// Size of the labels, pixels.
+pub const LABEL_PX: f64 = 12.0;
+/// The longest label, characters.
+const LONGEST: usize = 22;
+
+/// The horizontal axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct XAxis {
+    /// Per value of the axis, where it stands from 0 (left) to 1.
+    pub at: Vec<f64>,
+    /// Per value, its label.
+    pub labels: Vec<String>,
+    /// Name and unit.
+    pub title: String,
+    /// Whether the last value is infinite and stands apart.
+    pub is_broken: bool,
+    /// Whether values in between mean something.
+    pub is_numeric: bool,
+}
+
+impl XAxis {
+    /// Of what varies; `None` when nothing does.
+    pub fn new(axis: Option<&Axis>) -> Self {
+        let Some(axis) = axis else {
+            return Self {
+                at: vec![0.5],
+                labels: vec!["as it is".to_owned()],
+                title: "the scenario".to_owned(),
+                is_broken: false,
+                is_numeric: false,
+            };
+        };
+        let numbers: Option<Vec<f64>> = axis.values.iter().map(|v| v.number()).collect();
+        let numbers = numbers.filter(|all| all.iter().all(|n| *n > f64::NEG_INFINITY));
+        let is_numeric = numbers.is_some();
+        let (at, labels, scale) = match numbers {
+            Some(numbers) => numeric(&numbers),
+            None => {
+                let count = axis.values.len();
+                let at = (0..count).map(|i| (i as f64 + 0.5) / count as f64).collect();
+                (at, axis.values.iter().map(|v| shortened(&v.shown())).collect(), "")
+            }
+        };
+        let is_broken = axis.values.iter().any(|v| v.number() == Some(f64::INFINITY));
+        let title = format!("{}{}{scale}", axis.title(), unit(&axis.keys));
+        Self { at, labels, title, is_broken: is_numeric && is_broken, is_numeric }
+    }
+
+    /// Whether labels must lean to have room on so many pixels.
+    pub fn leans(&self, width_px: f64) -> bool {
+        let longest = self.labels.iter().map(|l| l.chars().count()).max().unwrap_or(0);
+        let room = width_px / self.labels.len().max(1) as f64;
+        !self.is_numeric && longest as f64 * LABEL_PX * CHARACTER > room - 6.0
+    }
+
+    /// Room that leaning labels take below the axis, pixels.
+    pub fn leaning_px(&self) -> f64 {
+        let longest = self.labels.iter().map(|l| l.chars().count()).max().unwrap_or(0);
+        20.0 + longest as f64 * LABEL_PX * CHARACTER * LEAN_DEG.to_radians().sin()
+    }
+
+    /// The labels that do not touch one another on so many pixels, as indices of values. The ends
+    /// come first.
+    pub fn readable(&self, width_px: f64) -> Vec<usize> {
+        if !self.is_numeric {
+            return (0..self.at.len()).collect();
+        }
+        let mut order: Vec<usize> = (0..self.at.len()).collect();
+        order.sort_by(|a, b| self.at[*a].total_cmp(&self.at[*b]));
+        if order.len() > 2 {
+            let last = order.remove(order.len() - 1);
+            order.insert(1, last);
+        }
+        let half =
+            |i: usize| (self.labels[i].chars().count() as f64 * CHARACTER / 2.0 + 0.4) * LABEL_PX;
+        let mut taken: Vec<usize> = Vec::new();
+        for i in order {
+            let free =
+                |j: &usize| (self.at[i] - self.at[*j]).abs() * width_px >= half(i) + half(*j);
+            if taken.iter().all(free) {
+                taken.push(i);
+            }
+        }
+        taken.sort_unstable();
+        taken
+    }
+}
+
+fn shortened(label: &str) -> String {
+    if label.chars().count() <= LONGEST {
+        return label.to_owned();
+    }
+    label.chars().take(LONGEST - 1).chain(['…']).collect()
+}
+
+/// Places, labels and the name of the scale.
+fn numeric(numbers: &[f64]) -> (Vec<f64>, Vec<String>, &'static str) {
+    let finite = numbers.iter().copied().filter(|n| n.is_finite());
+    let least = finite.clone().fold(f64::INFINITY, f64::min);
+    let greatest = finite.fold(f64::NEG_INFINITY, f64::max);
+    let is_log = least > 0.0 && greatest / least >= LOGARITHMIC_FROM;
+    let has_infinity = numbers.contains(&f64::INFINITY);
+    let place = |n: f64| if is_log { n.log10() } else { n };
+    let (from, span) = (place(least), place(greatest) - place(least));
+    let end = if has_infinity { 0.84 } else { 1.0 };
+    let at = numbers.iter().map(|&n| {
+        if n == f64::INFINITY {
+            1.0
+        } else if span > 0.0 {
+            end * (place(n) - from) / span
+        } else {
+            0.5 * end
+        }
+    });
+    let label = |n: &f64| if n.is_finite() { short(*n) } else { "∞".to_owned() };
+    let scale = if is_log { ", logarithmic" } else { "" };
+    (at.collect(), numbers.iter().map(label).collect(), scale)
+}
+
+/// A number in few characters.
+pub fn short(n: f64) -> String {
+    let size = n.abs();
+    let with = |value: f64, ending: &str| {
+        let text = format!("{value:.2}");
+        format!("{}{ending}", text.trim_end_matches('0').trim_end_matches('.'))
+    };
+    match size {
+        0.0 => "0".to_owned(),
+        s if s >= 1e9 => with(n / 1e9, "G"),
+        s if s >= 1e6 => with(n / 1e6, "M"),
+        s if s >= 1e4 => with(n / 1e3, "k"),
+        s if s >= 100.0 => {
+            let text = format!("{n:.1}");
+            text.strip_suffix(".0").map(str::to_owned).unwrap_or(text)
+        }
+        s if s < 1e-3 => format!("{n:e}"),
+        _ => {
+            let text = format!("{n:.4}");
+            text.trim_end_matches('0').trim_end_matches('.').to_owned()
+        }
+    }
+}
+
+/// The unit that the name of a key ends with.
+fn unit(keys: &[String]) -> &'static str {
+    let [key] = keys else { return "" };
+    let units =
+        [("_m_s", " [m/s]"), ("_m", " [m]"), ("_s", " [s]"), ("_deg", " [°]"), ("_pct", " [%]")];
+    units.iter().find(|(ending, _)| key.ends_with(ending)).map_or("", |(_, unit)| unit)
+}
+
+/// The vertical axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct YAxis {
+    /// The value at the bottom.
+    pub low: f64,
+    /// The value at the top.
+    pub high: f64,
+    /// Values with a label.
+    pub ticks: Vec<f64>,
+}
+
+impl YAxis {
+    /// Around values that are not below 0 and not above `top`.
+    pub fn around(values: impl Iterator<Item = f64>, top: f64) -> Self {
+        let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
+        for value in values.filter(|v| v.is_finite()) {
+            (least, greatest) = (least.min(value), greatest.max(value));
+        }
+        if least > greatest {
+            (least, greatest) = (0.0, 1.0);
+        }
+        // Heights mean something from 0 only; where that would flatten everything, it is not there.
+        let from_zero = least <= 0.5 * greatest || greatest <= 0.0;
+        let room = if from_zero { greatest } else { greatest - least };
+        let room = if room > 0.0 { room } else { greatest.abs().max(1.0) };
+        let low = if from_zero { 0.0 } else { (least - 0.1 * room).max(0.0) };
+        let high = if greatest > 0.0 { greatest + 0.08 * room } else { 1.0 };
+        let high = high.min(top.max(greatest));
+        let step = step((high - low) / 5.0);
+        let first = (low / step - 1e-9).ceil() as i64;
+        let last = (high / step + 1e-9).floor() as i64;
+        let ticks = (first..=last).map(|k| k as f64 * step).collect();
+        Self { low, high, ticks }
+    }
+}
+
+/// 1, 2 or 5 times a power of ten, at least so much.
+fn step(at_least: f64) -> f64 {
+    let power = 10f64.powf(at_least.max(1e-12).log10().floor());
+    let factor = [1.0, 2.0, 5.0].into_iter().find(|f| f * power >= at_least * (1.0 - 1e-9));
+    factor.unwrap_or(10.0) * power
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(argument: &str) -> XAxis {
+        XAxis::new(Some(&Axis::parse(argument).unwrap()))
+    }
+
+    #[test]
+    fn far_numbers_stand_by_their_ratios_and_infinity_apart() {
+        let x = axis("netem.radio.range_m=25,100,400,1600,inf");
+        assert!(x.is_numeric && x.is_broken);
+        assert_eq!(x.labels, ["25", "100", "400", "1600", "∞"]);
+        assert!((x.at[1] - 0.28).abs() < 1e-12 && (x.at[3] - 0.84).abs() < 1e-12 && x.at[4] == 1.0);
+        assert_eq!(x.title, "netem.radio.range_m [m], logarithmic");
+        let near = axis("agents.count=2,4,6");
+        assert_eq!((near.at, near.is_broken), (vec![0.0, 0.5, 1.0], false));
+        assert_eq!(axis("a=0,100").title, "a");
+        assert_eq!(axis("a=inf").at, [1.0]);
+    }
+
+    #[test]
+    fn words_stand_side_by_side() {
+        let x = axis("exchange.mode=facts,snapshot");
+        assert_eq!((x.at.clone(), x.is_numeric), (vec![0.25, 0.75], false));
+        assert!(!x.leans(500.0) && x.leans(100.0));
+    }
+
+    #[test]
+    fn labels_do_not_touch() {
+        let x = axis("a=1,1.001,1.002,2,3");
+        assert_eq!(x.readable(500.0), [0, 3, 4]);
+    }
+
+    #[test]
+    fn heights_start_at_zero_unless_that_flattens_everything() {
+        let y = YAxis::around([2.0, 10.0].into_iter(), f64::INFINITY);
+        assert_eq!((y.low, y.ticks), (0.0, vec![0.0, 5.0, 10.0]));
+        let y = YAxis::around([98.0, 99.5].into_iter(), 100.0);
+        assert!(y.low > 97.0 && y.high <= 100.0 && y.ticks.len() >= 3, "{y:?}");
+        let y = YAxis::around([0.0, 0.0].into_iter(), f64::INFINITY);
+        assert!(y.high > 0.0 && y.ticks.len() > 2);
+        assert!(YAxis::around(std::iter::empty(), 1.0).ticks.len() > 2);
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (n, text) in [
+            (0.0, "0"),
+            (0.05, "0.05"),
+            (1e-5, "1e-5"),
+            (25.0, "25"),
+            (1500.0, "1500"),
+            (2.5e6, "2.5M"),
+            (12_340.0, "12.34k"),
+        ] {
+            assert_eq!(short(n), text);
+        }
+    }
+}

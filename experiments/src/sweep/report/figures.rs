@@ -1,0 +1,109 @@
+//! From results to plots: the first varied key along the axis, the second as series, the rest as
+//! plots of their own.
+
+use super::Metric;
+use super::axis::XAxis;
+use super::chart::{Chart, Dot, Line, Mark};
+use crate::sweep::plan::Point;
+use crate::sweep::results::{RESTRICTED, Results, metric};
+use crate::sweep::stats::Stats;
+
+/// The most groups of plots; beyond that, the tables say it.
+const MAX_FACETS: usize = 12;
+
+/// Plots that have all but the first two keys in common.
+#[derive(Debug, Clone)]
+pub struct Facet {
+    /// What they have in common; empty when there are only two keys.
+    pub name: String,
+    /// The choices of the third key and those after it.
+    rest: Vec<Option<usize>>,
+}
+
+/// The groups of plots; `None` when they are too many to be of use.
+pub fn facets(results: &Results) -> Option<Vec<Facet>> {
+    let axes = &results.manifest.vary;
+    let mut facets: Vec<Facet> = Vec::new();
+    for point in results.manifest.points.iter().filter(|p| !p.is_baseline()) {
+        let rest: Vec<Option<usize>> = point.choice.iter().skip(2).copied().collect();
+        if facets.iter().all(|facet| facet.rest != rest) {
+            let name =
+                (2..axes.len()).map(|a| format!("{} = {}", axes[a].title(), point.shown(axes, a)));
+            facets.push(Facet { name: name.collect::<Vec<_>>().join(", "), rest });
+        }
+    }
+    (facets.len() <= MAX_FACETS).then_some(facets)
+}
+
+/// The horizontal axis of every plot.
+pub fn x_axis(results: &Results) -> XAxis {
+    XAxis::new(results.manifest.vary.first())
+}
+
+/// The plot of a metric in a group.
+pub fn chart<'a>(results: &Results, facet: &Facet, what: &Metric, x: &'a XAxis) -> Chart<'a> {
+    let axes = &results.manifest.vary;
+    let series = axes.get(1).map_or(1, |axis| axis.values.len());
+    let lines = (0..series).map(|s| {
+        let name = axes.get(1).map_or(String::new(), |axis| {
+            format!("{} {}", last_key(&axis.keys), axis.values[s].shown())
+        });
+        let mut line = Line { name, ..Line::default() };
+        for i in 0..x.at.len() {
+            let mut choice: Vec<Option<usize>> = [Some(i), Some(s)].to_vec();
+            choice.truncate(axes.len());
+            choice.extend(&facet.rest);
+            let point = index_of(results, &choice);
+            line.marks.push(point.map(|p| mark(results, p, what.key)).unwrap_or_default());
+            let reference = reference(results, &choice).filter(|_| has_references(results));
+            line.references.push(reference.and_then(|p| mark(results, p, what.key).stats()));
+        }
+        line
+    });
+    let lines = lines.collect();
+    Chart { title: what.title.to_owned(), unit: what.unit, x, top: what.top, lines }
+}
+
+/// A reference makes sense where links vary or the user asked for it.
+fn has_references(results: &Results) -> bool {
+    let manifest = &results.manifest;
+    manifest.baseline
+}
+
+fn last_key(keys: &[String]) -> String {
+    keys.iter().map(|k| k.rsplit('.').next().unwrap_or(k)).collect::<Vec<_>>().join(", ")
+}
+
+fn index_of(results: &Results, choice: &[Option<usize>]) -> Option<usize> {
+    let points = &results.manifest.points;
+    points.iter().position(|p| p.choice == choice && !p.is_baseline())
+}
+
+/// The point with perfect links that has all else in common with a choice.
+fn reference(results: &Results, choice: &[Option<usize>]) -> Option<usize> {
+    let axes = &results.manifest.vary;
+    let same = |point: &Point| {
+        let pairs = point.choice.iter().zip(choice).zip(axes);
+        point.perfect && pairs.into_iter().all(|((a, b), axis)| axis.is_netem() || a == b)
+    };
+    results.manifest.points.iter().position(same)
+}
+
+fn mark(results: &Results, point: usize, key: &str) -> Mark {
+    let mut mark = Mark::default();
+    for record in results.flown(point) {
+        let is_open = key == RESTRICTED && record.number("all_identified_s").is_none();
+        match metric(record, key) {
+            Some(value) => mark.runs.push(Dot { seed: record.seed, value, is_open }),
+            None => mark.without += 1,
+        }
+    }
+    mark
+}
+
+/// Mean and confidence of a metric at a point, and how many of its runs count as open.
+pub fn cell(results: &Results, point: usize, key: &str) -> Option<(Stats, usize)> {
+    let mark = mark(results, point, key);
+    let open = mark.runs.iter().filter(|dot| dot.is_open).count();
+    Some((mark.stats()?, open))
+}

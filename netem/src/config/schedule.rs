@@ -1,0 +1,79 @@
+//! What happens to links at set times: outages, partitions, jammers. Times are seconds since the
+//! start, from the first instant to before the last.
+
+use serde::{Deserialize, Serialize};
+
+/// `[[netem.outage]]`: an agent neither sends nor receives.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OutageConfig {
+    /// Index of the agent.
+    pub agent: u16,
+    /// From this time, seconds.
+    pub from_s: f64,
+    /// Until this time, seconds; `inf` for the rest of the run.
+    #[serde(default = "forever")]
+    pub until_s: f64,
+    /// What failed.
+    #[serde(default)]
+    pub kind: OutageKind,
+}
+
+/// What failed in an outage; for the links it is the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OutageKind {
+    /// The radio alone: the agent flies on with what it knows.
+    #[default]
+    Radio,
+    /// The agent's process: it comes back with a higher incarnation and empty knowledge.
+    Crash,
+}
+
+/// `[[netem.partition]]`: agents in different groups cannot hear each other. Agents in no group are
+/// not affected.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PartitionConfig {
+    /// From this time, seconds.
+    #[serde(default)]
+    pub from_s: f64,
+    /// Until this time, seconds; `inf` for the rest of the run.
+    #[serde(default = "forever")]
+    pub until_s: f64,
+    /// Indexes of agents; an agent is in one group at most.
+    pub groups: Vec<Vec<u16>>,
+    /// When true, only messages from an earlier group to a later one are lost.
+    #[serde(default)]
+    pub one_way: bool,
+}
+
+/// `[[netem.jammer]]`: receivers in a disc (of any height) lose messages.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JammerConfig {
+    /// Centre, `world`, metres.
+    pub p_m: [f64; 2],
+    /// Radius, metres.
+    pub radius_m: f64,
+    /// From this time, seconds.
+    #[serde(default)]
+    pub from_s: f64,
+    /// Until this time, seconds; `inf` for the rest of the run.
+    #[serde(default = "forever")]
+    pub until_s: f64,
+    /// Probability that a message is lost.
+    #[serde(default = "certainly")]
+    pub loss: f64,
+    /// Name of the channel that it jams; all by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<String>,
+}
+
+fn forever() -> f64 {
+    f64::INFINITY
+}
+
+fn certainly() -> f64 {
+    1.0
+}

@@ -1,0 +1,94 @@
+//! Rule 1: an agent that is out neither sends nor receives.
+
+use csat_proto::ids::AgentId;
+use csat_proto::time::SimTime;
+
+use crate::config::NetemConfig;
+use crate::fate::Reason;
+use crate::rule::{Case, Rule};
+
+/// From an instant to before another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Span {
+    from: SimTime,
+    until: SimTime,
+}
+
+impl Span {
+    /// From `from_s` to before `until_s`, seconds; infinity is the end of time.
+    pub(crate) fn new(from_s: f64, until_s: f64) -> Self {
+        Self { from: SimTime::from_seconds(from_s), until: SimTime::from_seconds(until_s) }
+    }
+
+    /// Whether `time` is in it.
+    pub(crate) fn contains(&self, time: SimTime) -> bool {
+        self.from <= time && (time < self.until || self.until == SimTime(u64::MAX))
+    }
+}
+
+/// Who is out when.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Outages(Vec<(AgentId, Span)>);
+
+impl Outages {
+    /// The outages of a scenario; a crash is one too.
+    pub fn new(config: &NetemConfig) -> Self {
+        let outages = config.outage.iter();
+        Self(outages.map(|o| (AgentId(o.agent), Span::new(o.from_s, o.until_s))).collect())
+    }
+
+    /// Whether `agent` is out.
+    pub fn is_out(&self, agent: AgentId, time: SimTime) -> bool {
+        self.0.iter().any(|(out, span)| *out == agent && span.contains(time))
+    }
+}
+
+/// Loses what an agent sends while it is out. Messages that left before are not touched.
+pub struct SourceOutage(Outages);
+
+impl SourceOutage {
+    /// `None` without outages.
+    pub fn new(config: &NetemConfig) -> Option<Self> {
+        (!config.outage.is_empty()).then(|| Self(Outages::new(config)))
+    }
+}
+
+impl Rule for SourceOutage {
+    fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason> {
+        let is_out = self.0.is_out(case.sent.src, case.sent.time);
+        if is_out { Err(Reason::Outage) } else { Ok(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{OutageConfig, OutageKind};
+    use crate::fate::Sent;
+    use crate::fate::tests::sent;
+    use crate::rule::tests::judge_alone;
+
+    #[test]
+    fn outages_have_a_first_instant_and_end_before_the_last() {
+        let outage = |agent, from_s, until_s, kind| OutageConfig { agent, from_s, until_s, kind };
+        let config = NetemConfig {
+            outage: vec![
+                outage(0, 1.0, 2.0, OutageKind::Radio),
+                outage(1, 5.0, f64::INFINITY, OutageKind::Crash),
+            ],
+            ..Default::default()
+        };
+        let outages = Outages::new(&config);
+        let out = |agent, time| outages.is_out(AgentId(agent), SimTime(time));
+        assert!(!out(0, 999_999) && out(0, 1_000_000) && out(0, 1_999_999) && !out(0, 2_000_000));
+        assert!(!out(1, 1_500_000) && out(1, 5_000_000) && out(1, u64::MAX) && !out(2, 1_500_000));
+
+        let rule = SourceOutage::new(&config).unwrap();
+        assert_eq!(judge_alone(&rule, &sent(0)), Err(Reason::Outage));
+        let later = Sent { time: SimTime::from_seconds(2.0), ..sent(0) };
+        assert!(judge_alone(&rule, &later).is_ok());
+        // The receiver's outage counts when the message arrives, not when it is sent.
+        let to_the_dead = Sent { src: AgentId(2), dst: AgentId(0), ..sent(0) };
+        assert!(judge_alone(&rule, &to_the_dead).is_ok());
+    }
+}

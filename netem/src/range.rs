@@ -1,0 +1,40 @@
+//! Rule 3: a disc (in space: a ball) around the receiver.
+
+use crate::config::ChannelConfig;
+use crate::fate::Reason;
+use crate::rule::{Case, Rule};
+
+/// Loses what is sent from farther than the range.
+pub struct Range {
+    range_m: f64,
+}
+
+impl Range {
+    /// `None` without a limit.
+    pub fn new(channel: &ChannelConfig) -> Option<Self> {
+        channel.range_m.is_finite().then_some(Self { range_m: channel.range_m })
+    }
+}
+
+impl Rule for Range {
+    fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason> {
+        if case.sent.distance_m() <= self.range_m { Ok(()) } else { Err(Reason::Range) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fate::tests::sent;
+    use crate::rule::tests::judge_alone;
+
+    #[test]
+    fn range_is_a_ball() {
+        // The ends are 50 m apart.
+        for (range_m, expected) in [(50.0, Ok(())), (49.9, Err(Reason::Range))] {
+            let rule = Range::new(&ChannelConfig { range_m, ..Default::default() }).unwrap();
+            assert_eq!(judge_alone(&rule, &sent(0)).map(|_| ()), expected);
+        }
+        assert!(Range::new(&ChannelConfig::default()).is_none());
+    }
+}

@@ -1,0 +1,186 @@
+//! Rule 9: a token bucket and a bounded queue per sender and channel.
+//!
+//! Tokens come at `bytes_s` up to `burst_bytes`. A message takes as many as it has bytes, and may
+//! take them in advance: then it leaves when they have come, which is when all before it have left
+//! (first in, first out). The bytes whose tokens have not come are the queue; a message that would
+//! make it longer than `queue_bytes` is lost (tail drop) and takes nothing.
+//!
+//! A broadcast is sent once however many hear it, and its bytes are spent even where it is lost
+//! later on the way. So the verdict is that of (sender, channel, life, sequence) and is remembered
+//! for the other receivers.
+
+use std::collections::VecDeque;
+
+use csat_proto::ids::Incarnation;
+use csat_proto::time::SimTime;
+
+use crate::config::RateConfig;
+use crate::fate::{Reason, Sent};
+use crate::rule::{Case, Rule};
+
+/// When a message leaves its sender.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Departure {
+    /// After so many seconds in the queue.
+    After(f64),
+    /// Never: the queue was full.
+    Dropped,
+}
+
+/// The verdict of the sender's queue, at its place among the rules.
+pub struct Queue;
+
+impl Rule for Queue {
+    fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason> {
+        match case.departure {
+            Departure::After(seconds) => {
+                case.delays_s = case.delays_s.map(|delay| delay + seconds);
+                Ok(())
+            }
+            Departure::Dropped => Err(Reason::Queue),
+        }
+    }
+}
+
+/// Verdicts that are remembered per sender and channel. All receivers of a message are asked about
+/// at the same time, so a few would do.
+const REMEMBERED: usize = 1024;
+
+/// One sender on one channel: its bucket and the latest verdicts.
+#[derive(Debug, Clone, Default)]
+pub struct Sender {
+    bucket: Bucket,
+    /// By life and number.
+    verdicts: VecDeque<((Incarnation, u64), Departure)>,
+}
+
+impl Sender {
+    /// When `sent` leaves, and whether this is the first time that it is asked about. A message
+    /// that was `silenced` (the radio is off) takes no tokens. One that is so old that its verdict
+    /// is forgotten leaves as if it were sent now, and takes none either.
+    pub fn depart(
+        &mut self,
+        config: &RateConfig,
+        sent: &Sent,
+        silenced: bool,
+    ) -> (Departure, bool) {
+        let key = (sent.incarnation, sent.sequence);
+        // Most often it is the latest one, or newer.
+        let place = match self.verdicts.back() {
+            Some((latest, departure)) if *latest == key => return (*departure, false),
+            Some((latest, _)) if *latest > key => {
+                match self.verdicts.binary_search_by_key(&key, |(key, _)| *key) {
+                    Ok(index) => return (self.verdicts[index].1, false),
+                    Err(0) if self.verdicts.len() == REMEMBERED => {
+                        return (self.bucket.clone().take(config, sent), false);
+                    }
+                    Err(index) => index,
+                }
+            }
+            _ => self.verdicts.len(),
+        };
+        let departure = match silenced {
+            true => Departure::After(0.0),
+            false => self.bucket.take(config, sent),
+        };
+        self.verdicts.insert(place, (key, departure));
+        if self.verdicts.len() > REMEMBERED {
+            self.verdicts.pop_front();
+        }
+        (departure, true)
+    }
+}
+
+/// A token bucket that may be in debt.
+#[derive(Debug, Clone, Default)]
+struct Bucket {
+    /// Tokens at `at`, bytes; below 0 the queue's length. `None` for a full bucket.
+    tokens: Option<f64>,
+    at: SimTime,
+}
+
+impl Bucket {
+    fn take(&mut self, config: &RateConfig, sent: &Sent) -> Departure {
+        if config.bytes_s == f64::INFINITY {
+            return Departure::After(0.0);
+        }
+        let full = config.burst_bytes as f64;
+        let earned = sent.time.seconds_since(self.at) * config.bytes_s;
+        let tokens = self.tokens.map_or(full, |tokens| (tokens + earned).min(full));
+        self.at = self.at.max(sent.time);
+        let left = tokens - sent.bytes as f64;
+        if -left > config.queue_bytes as f64 {
+            self.tokens = Some(tokens);
+            return Departure::Dropped;
+        }
+        self.tokens = Some(left);
+        Departure::After((-left).max(0.0) / config.bytes_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fate::tests::sent;
+    use csat_proto::ids::AgentId;
+
+    const CONFIG: RateConfig = RateConfig { bytes_s: 100.0, burst_bytes: 150, queue_bytes: 250 };
+
+    fn message(sequence: u64, time_s: f64) -> Sent {
+        Sent { time: SimTime::from_seconds(time_s), ..sent(sequence) }
+    }
+
+    #[test]
+    fn a_burst_leaves_at_once_the_rest_waits_and_the_queue_is_bounded() {
+        let mut sender = Sender::default();
+        let mut depart =
+            |sequence, time_s| sender.depart(&CONFIG, &message(sequence, time_s), false).0;
+        // Messages of 100 bytes, all at 1 s: 150 tokens, then 50, 150 and 250 bytes of queue.
+        let waits = [0.0, 0.5, 1.5, 2.5].map(Departure::After);
+        assert_eq!([0, 1, 2, 3].map(|i| depart(i, 1.0)), waits);
+        assert_eq!(depart(4, 1.0), Departure::Dropped);
+        // What was dropped took nothing: a second later there is room for exactly one.
+        assert_eq!(depart(5, 2.0), Departure::After(2.5));
+        assert_eq!(depart(6, 2.0), Departure::Dropped);
+        // A long pause fills the bucket to its brim and not more.
+        assert_eq!(
+            [7, 8].map(|i| depart(i, 100.0)),
+            [Departure::After(0.0), Departure::After(0.5)]
+        );
+    }
+
+    #[test]
+    fn all_receivers_get_the_same_verdict_and_the_bytes_are_spent_once() {
+        let mut sender = Sender::default();
+        let to = |dst, i| Sent { dst: AgentId(dst), ..message(i, 1.0) };
+        for (i, wait) in [0.0, 0.5, 1.5].into_iter().enumerate() {
+            for dst in 1..5 {
+                let verdict = sender.depart(&CONFIG, &to(dst, i as u64), false);
+                assert_eq!(verdict, (Departure::After(wait), dst == 1));
+            }
+        }
+        assert_eq!(sender.depart(&CONFIG, &to(9, 1), false), (Departure::After(0.5), false));
+    }
+
+    #[test]
+    fn memory_is_bounded_and_what_is_forgotten_costs_nothing() {
+        let mut sender = Sender::default();
+        let config = RateConfig::default();
+        for i in 0..3 * REMEMBERED as u64 {
+            sender.depart(&config, &message(i, 1.0), false);
+        }
+        assert_eq!(sender.verdicts.len(), REMEMBERED);
+        assert!(!sender.depart(&config, &message(0, 1.0), false).1);
+        let next_life = Sent { incarnation: Incarnation(1), ..message(0, 1.0) };
+        assert!(sender.depart(&config, &next_life, false).1);
+    }
+
+    #[test]
+    fn who_is_silenced_spends_nothing() {
+        let mut sender = Sender::default();
+        for i in 0..10 {
+            sender.depart(&CONFIG, &message(i, 1.0), true);
+        }
+        assert_eq!(sender.depart(&CONFIG, &message(10, 1.0), false).0, Departure::After(0.0));
+    }
+}

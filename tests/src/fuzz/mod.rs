@@ -1,0 +1,172 @@
+//! What fuzzers do with arbitrary bytes: `fuzz/` finds inputs, `tests/fuzz.rs` replays those it kept.
+//!
+//! | function | the bytes are | must hold |
+//! |---|---|---|
+//! | [`envelope`] | a message, or what follows its checksum | decoding inverts encoding; nobody panics |
+//! | [`fact`] | the body of a fact | believed or not, the agent lives on and is believed by others |
+//! | [`snapshot`] | the body of a snapshot | the same |
+//! | [`scenario`] | a scenario file | it is loaded or every mistake is told |
+
+mod moment;
+pub mod spoil;
+
+use csat_agent::agent::SetMembershipAgent;
+use csat_agent::exchange::validate;
+use csat_experiments::scenario::{self, Request};
+use csat_proto::agent::Agent;
+use csat_proto::envelope::Envelope;
+use csat_proto::message::{Fact, Message, Snapshot};
+use csat_proto::region::{metres, to_units};
+use csat_proto::time::Step;
+
+pub use moment::Moment;
+
+/// Panics when something is found.
+pub type Check = fn(&[u8]);
+
+/// The targets, as folders of `fuzz/corpus` and as functions.
+pub const TARGETS: [(&str, Check); 4] =
+    [("envelope", envelope), ("fact", fact), ("snapshot", snapshot), ("scenario", scenario)];
+
+/// Magic and version, before the checksum.
+const MAGIC_BYTES: usize = 5;
+
+/// A message as it arrives, once as it is and once with its first bytes and checksum put right.
+///
+/// # Panics
+/// When something is found.
+pub fn envelope(bytes: &[u8]) {
+    let moment = Moment::shared();
+    let magic = &moment.envelope.encode()[..MAGIC_BYTES];
+    let sealed = [magic, &crc32fast::hash(bytes).to_le_bytes(), bytes].concat();
+    for bytes in [bytes, &sealed] {
+        if let Ok(envelope) = Envelope::decode(bytes) {
+            let again = Envelope::decode(&envelope.encode());
+            assert_eq!(again.as_ref(), Ok(&envelope), "decoding does not invert encoding");
+        }
+        tell(moment, bytes);
+    }
+}
+
+/// The body of a fact.
+///
+/// # Panics
+/// When something is found.
+pub fn fact(bytes: &[u8]) {
+    let step = postcard::from_bytes(bytes).ok().map(|fact: Fact| fact.step);
+    say(0, step, bytes);
+}
+
+/// The body of a snapshot.
+///
+/// # Panics
+/// When something is found.
+pub fn snapshot(bytes: &[u8]) {
+    let step = postcard::from_bytes(bytes).ok().map(|snapshot: Snapshot| snapshot.fact.step);
+    say(1, step, bytes);
+}
+
+/// Tells a body of a kind of [`Message`] in an honest envelope of its own step.
+fn say(kind: u8, step: Option<Step>, bytes: &[u8]) {
+    let moment = Moment::shared();
+    let body = [&[kind], bytes].concat();
+    let step = step.unwrap_or(moment.envelope.step);
+    tell(moment, &Envelope { step, body, ..moment.envelope.clone() }.encode());
+}
+
+/// An agent in the middle of a mission hears something and flies on.
+fn tell(moment: &Moment, bytes: &[u8]) {
+    let mut agent = moment.agent.clone();
+    agent.handle_message(moment.now, bytes);
+    let is_rejected = !agent.rejected().is_empty();
+    agent.handle_timeout(moment.now);
+    if is_rejected {
+        assert_eq!(agent.digest(), moment.undisturbed, "rejected, but something changed");
+        return;
+    }
+    check_sets(&agent);
+    if agent.digest() == moment.undisturbed {
+        return;
+    }
+    while agent.poll_transmit().is_some() {}
+    for (now, frame) in &moment.ahead {
+        agent.handle_frame(*now, frame);
+        agent.handle_timeout(*now);
+        check_sets(&agent);
+        while let Some(transmit) = agent.poll_transmit() {
+            check_honest(moment, frame.step, &transmit.bytes);
+        }
+    }
+}
+
+/// Sets stay inside the region whatever was believed.
+fn check_sets(agent: &SetMembershipAgent) {
+    let limit = agent.config().ground.size_m.map(|size| to_units(size / 2.0).unsigned_abs());
+    let knowledge = agent.knowledge();
+    for set in knowledge.targets.values().chain([&knowledge.unexplored]) {
+        let outside = |p: &&_| {
+            let p: csat_proto::region::GridPoint = **p;
+            p.x.unsigned_abs() > limit[0] || p.y.unsigned_abs() > limit[1]
+        };
+        let found = set.region().rings().flatten().find(outside);
+        assert!(found.is_none(), "a set leaves the region at {:?}", found.map(|&p| metres(p)));
+    }
+}
+
+/// Whatever an honest agent was told, what it says is accepted: or a liar could silence it.
+fn check_honest(moment: &Moment, now: Step, bytes: &[u8]) {
+    let envelope = Envelope::decode(bytes).expect("an agent's own message");
+    let verdict = validate::check(moment.listener.config(), now, &envelope);
+    assert!(verdict.is_ok(), "what it says is not believed any more: {:?}", verdict.err());
+}
+
+/// A scenario file. The world is not made: that takes as long as the world is large.
+///
+/// # Panics
+/// When something is found.
+pub fn scenario(bytes: &[u8]) {
+    // What it names would be read: nothing endless, please.
+    if ["/dev", "/proc", "/sys"].iter().any(|p| bytes.windows(p.len()).any(|w| w == p.as_bytes())) {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("fuzz.toml");
+    std::fs::write(&path, bytes).expect("a file");
+    // Without its map a scenario is judged and no world is made.
+    let sets = ["map.file=there-is-none.geojson".to_owned()];
+    let request = Request { scenario: path.to_str(), sets: &sets, seed: None };
+    let mistakes = scenario::load(request).expect_err("there is no map");
+    assert!(mistakes.to_string().contains("there-is-none.geojson"), "{mistakes}");
+}
+
+/// Honest inputs of every target, by file name: where fuzzers begin.
+pub fn seeds() -> Vec<(&'static str, String, Vec<u8>)> {
+    let moment = Moment::shared();
+    let mut seeds = Vec::new();
+    for (i, envelope) in moment.heard.iter().enumerate() {
+        let content = envelope.encode().split_off(MAGIC_BYTES + 4);
+        seeds.push(("envelope", format!("honest-{i}"), content));
+        let message: Message = postcard::from_bytes(&envelope.body).expect("an honest body");
+        let mut keep = |target, body: Option<Vec<u8>>| {
+            seeds.push((target, format!("honest-{i}"), body.expect("it serialises")));
+        };
+        match message {
+            Message::Fact(fact) => keep("fact", postcard::to_stdvec(&fact).ok()),
+            Message::Snapshot(snapshot) => {
+                keep("fact", postcard::to_stdvec(&snapshot.fact).ok());
+                keep("snapshot", postcard::to_stdvec(&snapshot).ok());
+            }
+            Message::Plan(_) => {}
+        }
+    }
+    for shipped in scenario::shipped::SCENARIOS {
+        let text = shipped.text.as_bytes().to_vec();
+        seeds.push(("scenario", format!("{}.toml", shipped.name), text));
+    }
+    seeds.push(("scenario", "default.toml".into(), default_scenario().into_bytes()));
+    seeds
+}
+
+fn default_scenario() -> String {
+    scenario::Scenario::default().to_toml()
+}

@@ -1,0 +1,200 @@
+//! Seed to scenario: every fault has a rate of its own, often 0.
+
+use csat_agent::config::{ExchangeMode, Schedule};
+use csat_experiments::scenario::Scenario;
+use csat_netem::config::{
+    DelayConfig, JammerConfig, LossConfig, NetemConfig, OutageConfig, OutageKind, PartitionConfig,
+    RateConfig,
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::missions::{small, world_of};
+
+/// Steps with faults.
+const STEPS: u32 = 30;
+
+/// What a seed stands for.
+#[derive(Debug, Clone)]
+pub struct Draw {
+    /// The mission, with its faults.
+    pub scenario: Scenario,
+    /// Steps with faults.
+    pub steps: u32,
+    /// The links afterwards: perfect within the core, none to the rest.
+    pub healed: NetemConfig,
+    /// The agents that are healed.
+    pub core: Vec<u16>,
+    /// Steps until the core has to agree.
+    pub settle_steps: u32,
+}
+
+impl Draw {
+    /// The mission of a seed.
+    pub fn new(seed: u64) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut scenario = town(seed, &mut rng);
+        exchange(&mut scenario, &mut rng);
+        let end_s = f64::from(STEPS) * scenario.run.period_s;
+        links(&mut scenario.netem, scenario.agents.count, end_s, &mut rng);
+        let count = scenario.agents.count;
+        let core: Vec<u16> = (0..count).filter(|_| rng.random_bool(0.7)).collect();
+        let core = if core.len() < 2 { vec![0, 1] } else { core };
+        let healed = healed(&core, count, end_s, rng.random());
+        let settle_steps = settle_steps(&scenario, core.len() as u32);
+        Self { scenario, steps: STEPS, healed, core, settle_steps }
+    }
+
+    /// Whether the core has to agree in the end: what only facts carry is lost with them, and what
+    /// did not fit a budget was never said.
+    pub fn must_converge(&self) -> bool {
+        let exchange = &self.scenario.exchange;
+        matches!(exchange.mode, ExchangeMode::FactsRepair | ExchangeMode::Snapshot)
+            && exchange.budget_bytes_s.is_infinite()
+    }
+}
+
+/// A town of a few blocks; another one when the cars find no room.
+fn town(seed: u64, rng: &mut ChaCha8Rng) -> Scenario {
+    loop {
+        let side_m = rng.random_range(80.0..130.0);
+        let mut scenario = small(seed, side_m, rng.random_range(2..=4));
+        scenario.seed = rng.random::<u32>().into();
+        scenario.targets.count = rng.random_range(1..=4);
+        scenario.targets.v_max_m_s = [0.5, 1.0, 2.0, 4.0][rng.random_range(0..4)];
+        scenario.agents.start_offset_m = [0.0, -0.3 * side_m][rng.random_range(0..2)].max(0.0);
+        scenario.camera.columns = 64;
+        scenario.camera.rows = 48;
+        scenario.estimator.disc_vertices = rng.random_range(5..=16);
+        scenario.estimator.simplify_m = [0.0, 0.15, 0.5][rng.random_range(0..3)];
+        scenario.guidance.n_mpc = 1;
+        scenario.guidance.increments_deg = vec![-60.0, 0.0, 60.0];
+        let schedules =
+            [Schedule::Sequential, Schedule::SequentialLoopback, Schedule::Asynchronous];
+        scenario.guidance.schedule = schedules[rng.random_range(0..3)];
+        if world_of(&scenario).is_ok() {
+            return scenario;
+        }
+    }
+}
+
+fn exchange(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
+    let exchange = &mut scenario.exchange;
+    exchange.mode = match rng.random_range(0..20) {
+        0 => ExchangeMode::None,
+        1..4 => ExchangeMode::Facts,
+        4..8 => ExchangeMode::Snapshot,
+        _ => ExchangeMode::FactsRepair,
+    };
+    // Half of the missions rely on digests alone.
+    exchange.snapshot_period_s =
+        if rng.random_bool(0.5) { 1000.0 } else { rng.random_range(2.0..8.0) };
+    exchange.repair_period_s = rng.random_range(0.5..1.5);
+    exchange.repair_delay_s = rng.random_range(0.5..1.0);
+    if rng.random_bool(0.25) {
+        exchange.budget_bytes_s = rng.random_range(200.0..4000.0);
+    }
+    if rng.random_bool(0.2) {
+        exchange.max_age_s = rng.random_range(1.0..6.0);
+    }
+}
+
+fn links(netem: &mut NetemConfig, agents: u16, end_s: f64, rng: &mut ChaCha8Rng) {
+    let radio = &mut netem.radio;
+    if rng.random_bool(0.3) {
+        radio.range_m = rng.random_range(15.0..100.0);
+    }
+    radio.loss = match rng.random_range(0..4) {
+        0 | 1 => LossConfig::Iid { p: rate(rng) },
+        2 => LossConfig::GilbertElliott {
+            p: rate(rng),
+            r: rng.random_range(0.05..1.0),
+            h: 0.0,
+            k: 1.0,
+        },
+        _ => {
+            let lost = (0..50).map(|_| if rng.random_bool(0.4) { '1' } else { '0' }).collect();
+            LossConfig::Trace { file: None, lost: Some(lost) }
+        }
+    };
+    radio.delay = delay(rng);
+    radio.corruption = rate(rng) * 0.3;
+    radio.duplication = rate(rng);
+    if rng.random_bool(0.15) {
+        let bytes_s = rng.random_range(1000.0..20_000.0);
+        radio.rate = RateConfig { bytes_s, burst_bytes: 3000, queue_bytes: 20_000 };
+    }
+    if rng.random_bool(0.15) {
+        radio.mtu_bytes = rng.random_range(200..1500);
+    }
+    for agent in 0..agents {
+        if rng.random_bool(0.3) {
+            let from_s = rng.random_range(0.0..end_s * 0.8);
+            let until_s = from_s + rng.random_range(0.3..end_s * 0.4);
+            let kind = [OutageKind::Radio, OutageKind::Crash][rng.random_range(0..2)];
+            netem.outage.push(OutageConfig { agent, from_s, until_s: until_s.min(end_s), kind });
+        }
+    }
+    if rng.random_bool(0.3) {
+        let from_s = rng.random_range(0.0..end_s * 0.7);
+        let until_s = from_s + rng.random_range(1.0..end_s);
+        let cut = rng.random_range(1..agents);
+        let groups = vec![(0..cut).collect(), (cut..agents).collect()];
+        let one_way = rng.random_bool(0.3);
+        netem.partition.push(PartitionConfig {
+            from_s,
+            until_s: until_s.min(end_s),
+            groups,
+            one_way,
+        });
+    }
+    if rng.random_bool(0.15) {
+        netem.jammer.push(JammerConfig {
+            p_m: [rng.random_range(-50.0..50.0), rng.random_range(-50.0..50.0)],
+            radius_m: rng.random_range(10.0..60.0),
+            from_s: 0.0,
+            until_s: end_s,
+            loss: rng.random_range(0.3..1.0),
+            channel: None,
+        });
+    }
+}
+
+/// 0 half of the time.
+fn rate(rng: &mut ChaCha8Rng) -> f64 {
+    if rng.random_bool(0.5) { 0.0 } else { rng.random_range(0.0..0.7) }
+}
+
+fn delay(rng: &mut ChaCha8Rng) -> DelayConfig {
+    let mean_s = rng.random_range(0.01..4.0);
+    let correlation = [0.0, 0.7][rng.random_range(0..2)];
+    match rng.random_range(0..6) {
+        0 | 1 => DelayConfig::Constant { mean_s: 0.0 },
+        2 => DelayConfig::Constant { mean_s },
+        3 => DelayConfig::Uniform { mean_s, spread_s: mean_s, correlation },
+        4 => DelayConfig::Normal { mean_s, sd_s: mean_s / 2.0, correlation },
+        _ => DelayConfig::Pareto { mean_s, shape: 2.0, correlation },
+    }
+}
+
+/// Perfect links within the core; the others are gone for good, by their radios or altogether.
+fn healed(core: &[u16], agents: u16, end_s: f64, crashed: bool) -> NetemConfig {
+    let others = (0..agents).filter(|agent| !core.contains(agent));
+    let kind = if crashed { OutageKind::Crash } else { OutageKind::Radio };
+    let gone = |agent| OutageConfig { agent, from_s: end_s, until_s: f64::INFINITY, kind };
+    NetemConfig { outage: others.map(gone).collect(), ..NetemConfig::default() }
+}
+
+/// How long agreeing may take: each of the core may have something that the others lack, notices it
+/// after the delay that messages may have, waits for its turn, and may have to wait for its period;
+/// cells of the map come in turns of their own.
+fn settle_steps(scenario: &Scenario, core: u32) -> u32 {
+    let steps = |seconds: f64| (seconds / scenario.run.period_s).ceil() as u32;
+    let exchange = &scenario.exchange;
+    let turns = 2 * u32::from(scenario.agents.count);
+    let one = steps(exchange.repair_delay_s) + steps(exchange.repair_period_s) + turns + 2;
+    match exchange.mode {
+        ExchangeMode::FactsRepair => core * one,
+        _ => 3,
+    }
+}

@@ -1,0 +1,229 @@
+//! What must hold at every step of every mission.
+
+use std::collections::BTreeMap;
+
+use csat_agent::agent::Event;
+use csat_experiments::engine::{LifeEvent, StepTrace};
+use csat_netem::link::Arrival;
+use csat_proto::envelope::Envelope;
+use csat_proto::ids::{AgentId, ChannelId, Incarnation};
+use csat_proto::message::{Fact, Known, Message};
+use csat_proto::region::Region;
+use csat_proto::time::Step;
+
+use super::draw::Draw;
+use super::{Exercise, Swarm, merge};
+
+/// ε of the guarantee, metres.
+const TOLERANCE_M: f64 = 1e-3;
+
+/// Identity of a message: sender, life, radio, number.
+type Identity = (AgentId, Incarnation, ChannelId, u64);
+
+/// Checks one mission.
+pub struct Laws {
+    period_s: f64,
+    max_age_s: f64,
+    /// Where the targets were, by step.
+    truth: Vec<Vec<[f64; 2]>>,
+    /// What was said under each identity, as a checksum.
+    said: BTreeMap<Identity, u32>,
+    /// Per receiver and sender, the newest life that the receiver believes in.
+    believed: BTreeMap<(AgentId, AgentId), Incarnation>,
+    /// Per receiver, messages of lives that were over, in the receiver's present life.
+    stale: BTreeMap<AgentId, u64>,
+    /// The same for damaged ones.
+    damaged: BTreeMap<AgentId, u64>,
+    exercise: Exercise,
+}
+
+type Trace = StepTrace<Event>;
+
+impl Laws {
+    /// Before the first step.
+    pub fn new(draw: &Draw) -> Self {
+        Self {
+            period_s: draw.scenario.run.period_s,
+            max_age_s: draw.scenario.exchange.max_age_s,
+            truth: Vec::new(),
+            said: BTreeMap::new(),
+            believed: BTreeMap::new(),
+            stale: BTreeMap::new(),
+            damaged: BTreeMap::new(),
+            exercise: Exercise::default(),
+        }
+    }
+
+    /// Checks one step.
+    ///
+    /// # Errors
+    /// The first law that does not hold.
+    pub fn check(&mut self, engine: &Swarm, trace: &Trace) -> Result<(), String> {
+        self.truth.push(engine.world().targets().iter().map(|t| t.location).collect());
+        for (agent, life) in &trace.lives {
+            if let LifeEvent::Crashed { .. } = life {
+                self.exercise.crashes += 1;
+                self.believed.retain(|(dst, _), _| dst != agent);
+                self.stale.remove(agent);
+                self.damaged.remove(agent);
+            }
+        }
+        if let Some(violation) = trace.violations.first() {
+            return Err(format!("violated: {:?}", violation.fault));
+        }
+        if let Some((agent, event)) =
+            trace.events.iter().find(|(_, e)| matches!(e, Event::Inconsistent { .. }))
+        {
+            return Err(format!("UAV {agent}: {event:?}"));
+        }
+        self.check_said(trace)?;
+        for arrival in &trace.arrivals {
+            self.hear(engine, trace.step, arrival);
+        }
+        self.check_rejections(engine)?;
+        self.exercise.merged += merge::check(engine, trace)?;
+        Ok(())
+    }
+
+    /// What the mission exercised.
+    pub fn exercise(&self, engine: &Swarm) -> Exercise {
+        let counters = engine.counters();
+        let seats = engine.seats().iter();
+        Exercise {
+            missions: 1,
+            delivered: counters.delivered,
+            dropped: counters.dropped.values().sum(),
+            corrupted: counters.corrupted,
+            duplicated: counters.duplicated,
+            identified: seats.map(|s| s.agent.knowledge().targets.len() as u64).sum(),
+            ..self.exercise
+        }
+    }
+
+    /// Every message has an identity of its own and says the truth about its step.
+    fn check_said(&mut self, trace: &Trace) -> Result<(), String> {
+        for passage in &trace.passages {
+            let sent = &passage.sent;
+            let late_us = (self.period_s * 1e6) as u64;
+            let late = |d: csat_netem::fate::Delivery| d.at.0 >= sent.time.0 + late_us;
+            self.exercise.late +=
+                passage.fate.copies().flatten().filter(|d| late(*d)).count() as u64;
+            let envelope = Envelope::decode(&passage.bytes).map_err(|e| format!("said: {e}"))?;
+            let Envelope { src, incarnation, channel, sequence, .. } = envelope;
+            let checksum = csat_proto::envelope::checksum(&passage.bytes);
+            let identity = (src, incarnation, channel, sequence);
+            match self.said.insert(identity, checksum) {
+                None => self.check_truth(&envelope)?,
+                Some(before) if before == checksum => {}
+                Some(_) => return Err(format!("two messages are {identity:?}")),
+            }
+        }
+        Ok(())
+    }
+
+    fn check_truth(&self, envelope: &Envelope) -> Result<(), String> {
+        let message: Message =
+            postcard::from_bytes(&envelope.body).map_err(|e| format!("said: {e}"))?;
+        match message {
+            Message::Fact(fact) => self.check_fact(&fact),
+            Message::Snapshot(snapshot) => {
+                self.check_fact(&snapshot.fact)?;
+                self.check_known(&snapshot.known)
+            }
+            Message::Plan(_) => Ok(()),
+        }
+        .map_err(|law| format!("UAV {} said: {law}", envelope.src))
+    }
+
+    fn at(&self, step: Step) -> Result<impl Iterator<Item = (usize, [f64; 2])> + '_, String> {
+        let truth = self.truth.get(step.0 as usize).ok_or(format!("step {step} is yet to come"))?;
+        Ok(truth.iter().copied().enumerate())
+    }
+
+    fn check_fact(&self, fact: &Fact) -> Result<(), String> {
+        for (j, location) in self.at(fact.step)? {
+            for (what, part) in [("clear", &fact.clear_ground), ("margin", &fact.obstacle_margin)] {
+                if is_deep_in(part, location) {
+                    return Err(format!("{what} where target {j} is, {location:?}"));
+                }
+            }
+            for seen in &fact.targets {
+                let is_it = usize::from(seen.target.0) == j;
+                if is_it && seen.location.distance_m(location) > TOLERANCE_M {
+                    return Err(format!("target {j} is not where it was seen, {location:?}"));
+                }
+                if !is_it && is_deep_in(&seen.exclusion, location) {
+                    return Err(format!("target {j} is excluded by {}", seen.target));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_known(&self, known: &Known) -> Result<(), String> {
+        for (j, location) in self.at(known.step)? {
+            let own = known.targets.iter().find(|(target, _)| usize::from(target.0) == j);
+            let set = own.map_or(&known.unexplored, |(_, set)| set);
+            if set.distance_m(location) > TOLERANCE_M {
+                return Err(format!("target {j} is not where it is known to be, {location:?}"));
+            }
+            if is_deep_in(&known.obstacle_margin, location) {
+                return Err(format!("the margin is where target {j} is, {location:?}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Follows what a receiver may believe of whom.
+    fn hear(&mut self, engine: &Swarm, step: Step, arrival: &Arrival) {
+        if !engine.seats()[usize::from(arrival.dst.0)].is_alive() {
+            return;
+        }
+        let Ok(envelope) = Envelope::decode(&arrival.bytes) else {
+            *self.damaged.entry(arrival.dst).or_default() += 1;
+            return;
+        };
+        if f64::from(step.0 - envelope.step.0) * self.period_s > self.max_age_s {
+            return;
+        }
+        let known = self.believed.entry((arrival.dst, envelope.src)).or_default();
+        if envelope.incarnation < *known {
+            *self.stale.entry(arrival.dst).or_default() += 1;
+            self.exercise.stale += 1;
+        }
+        *known = envelope.incarnation.max(*known);
+    }
+
+    /// Agents reject what is damaged, too old or of an earlier life, all of it and nothing else.
+    fn check_rejections(&self, engine: &Swarm) -> Result<(), String> {
+        for (seat, id) in engine.seats().iter().zip(0..).filter(|(seat, _)| seat.is_alive()) {
+            let rejected = seat.agent.rejected();
+            let count = |reason| rejected.get(reason).copied().unwrap_or_default();
+            let of = |counts: &BTreeMap<AgentId, u64>| {
+                counts.get(&AgentId(id)).copied().unwrap_or_default()
+            };
+            let expected = of(&self.stale);
+            if count("incarnation") != expected {
+                return Err(format!("UAV {id}: {rejected:?}, but {expected} of earlier lives"));
+            }
+            let damaged = count("checksum") + count("envelope");
+            if damaged != of(&self.damaged) {
+                return Err(format!("UAV {id}: {rejected:?}, but {} damaged", of(&self.damaged)));
+            }
+            let allowed = ["incarnation", "checksum", "envelope", "too-old"];
+            if let Some(reason) = rejected.keys().find(|reason| !allowed.contains(reason)) {
+                return Err(format!("UAV {id} rejected an honest message: {reason}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a point is in a set, and more than ε from its border.
+fn is_deep_in(region: &Region, p: [f64; 2]) -> bool {
+    let e = TOLERANCE_M;
+    region.contains(p)
+        && [[e, 0.0], [-e, 0.0], [0.0, e], [0.0, -e]]
+            .iter()
+            .all(|d| region.contains([p[0] + d[0], p[1] + d[1]]))
+}

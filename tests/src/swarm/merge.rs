@@ -1,0 +1,78 @@
+//! The laws of merging, on what agents really know and hear: two messages in either order, or twice,
+//! make the same knowledge.
+
+use csat_agent::agent::Event;
+use csat_agent::estimate::Estimator;
+use csat_agent::estimate::evidence::Heard;
+use csat_agent::estimate::state::Knowledge;
+use csat_experiments::engine::StepTrace;
+use csat_proto::envelope::Envelope;
+use csat_proto::message::Message;
+
+use super::Swarm;
+use crate::geometry::difference_m2;
+
+/// How far rounding may take sets apart, m².
+const ROUNDING_M2: f64 = 1e-3;
+
+/// Takes one agent in every second step, in turn, and merges the first two things it heard in both
+/// orders, and one of them again. Tells how many pairs were merged.
+pub fn check(engine: &Swarm, trace: &StepTrace<Event>) -> Result<u64, String> {
+    if trace.step.0 % 2 == 1 {
+        return Ok(0);
+    }
+    let index = trace.step.0 as usize / 2 % engine.seats().len();
+    let seat = &engine.seats()[index];
+    let heard = trace.arrivals.iter().filter(|a| usize::from(a.dst.0) == index);
+    let mut heard = heard.filter_map(|arrival| decode(&arrival.bytes));
+    let (Some(a), Some(b)) = (heard.next(), heard.next()) else { return Ok(0) };
+    if !seat.is_alive() {
+        return Ok(0);
+    }
+    let estimator = Estimator::new(seat.agent.config());
+    let with = |knowledge: &Knowledge, news: &Heard| {
+        let mut knowledge = knowledge.clone();
+        estimator.update(&mut knowledge, None, vec![news.clone()]);
+        knowledge
+    };
+    let start = seat.agent.knowledge();
+    let expected = with(&with(start, &a), &b);
+    let swapped = with(&with(start, &b), &a);
+    compare(&expected, &swapped).map_err(|law| format!("order matters: {law}"))?;
+    let repeated = with(&expected, &a);
+    compare(&expected, &repeated).map_err(|law| format!("a repeat matters: {law}"))?;
+    Ok(1)
+}
+
+fn decode(bytes: &[u8]) -> Option<Heard> {
+    let Envelope { src, incarnation, body, .. } = Envelope::decode(bytes).ok()?;
+    let (fact, known) = match postcard::from_bytes(&body).ok()? {
+        Message::Fact(fact) => (fact, None),
+        Message::Snapshot(snapshot) => (snapshot.fact, Some(snapshot.known)),
+        Message::Plan(_) => return None,
+    };
+    Some(Heard { src, incarnation, fact, known })
+}
+
+fn compare(a: &Knowledge, b: &Knowledge) -> Result<(), String> {
+    if !a.targets.keys().eq(b.targets.keys()) {
+        return Err(format!("{:?} and {:?} are known", a.targets.keys(), b.targets.keys()));
+    }
+    if a.oem != b.oem {
+        return Err("the maps differ".into());
+    }
+    if a.hidden != b.hidden {
+        return Err("what is hidden differs".into());
+    }
+    // The margin is simplified whenever it grows: not the same, but much the same, and what it
+    // leaves of other sets differs by as much.
+    let allowed_m2 = ROUNDING_M2 + difference_m2(a.margin.region(), b.margin.region());
+    let sets = a.targets.values().zip(b.targets.values()).chain([(&a.unexplored, &b.unexplored)]);
+    for (a, b) in sets {
+        let apart_m2 = difference_m2(a.region(), b.region());
+        if apart_m2 > allowed_m2 {
+            return Err(format!("sets are {apart_m2} m² apart"));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,115 @@
+//! The soundness swarm: from one seed a small world, a fleet, links with any mixture of faults,
+//! crashes and restarts; at every step all that must hold is checked. Then a core of the fleet is
+//! healed, the rest stays broken, and the core has to agree within a bound.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`draw`] | seed to scenario |
+//! | [`laws`] | what must hold at every step |
+//! | [`merge`] | the laws of merging, on what the agents really know and hear |
+//! | [`converge`] | what the core must agree on in the end |
+
+mod converge;
+pub mod draw;
+mod laws;
+mod merge;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use csat_experiments::engine::Engine;
+use csat_experiments::set_membership::SetMembership;
+
+use crate::missions::world_of;
+use draw::Draw;
+use laws::Laws;
+
+/// Steps in which the links may get rid of what was said before the core was healed.
+const DRAIN_STEPS: u32 = 40;
+
+/// A mission of the swarm under way.
+pub(crate) type Swarm = Engine<SetMembership>;
+
+/// What a seed exercised, to see that the swarm does not test nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Exercise {
+    /// Missions flown.
+    pub missions: u64,
+    /// Messages delivered.
+    pub delivered: u64,
+    /// Messages lost.
+    pub dropped: u64,
+    /// Messages damaged on the way.
+    pub corrupted: u64,
+    /// Copies that links made.
+    pub duplicated: u64,
+    /// Messages that arrived later than the step they were sent in.
+    pub late: u64,
+    /// Lives that ended.
+    pub crashes: u64,
+    /// Targets identified, summed over agents.
+    pub identified: u64,
+    /// Messages of lives that were over.
+    pub stale: u64,
+    /// Pairs of messages merged in both orders.
+    pub merged: u64,
+    /// Cores that had to agree, and did.
+    pub converged: u64,
+}
+
+impl Exercise {
+    /// What two seeds exercised together.
+    pub fn with(self, other: Self) -> Self {
+        Self {
+            missions: self.missions + other.missions,
+            delivered: self.delivered + other.delivered,
+            dropped: self.dropped + other.dropped,
+            corrupted: self.corrupted + other.corrupted,
+            duplicated: self.duplicated + other.duplicated,
+            late: self.late + other.late,
+            crashes: self.crashes + other.crashes,
+            identified: self.identified + other.identified,
+            stale: self.stale + other.stale,
+            merged: self.merged + other.merged,
+            converged: self.converged + other.converged,
+        }
+    }
+}
+
+/// Flies the mission of a seed.
+///
+/// # Errors
+/// The first law that did not hold, with the step and the values; panics of agents are such, too.
+pub fn fly(seed: u64) -> Result<Exercise, String> {
+    let draw = Draw::new(seed);
+    catch_unwind(AssertUnwindSafe(|| fly_drawn(&draw))).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().cloned();
+        let text = text.or_else(|| panic.downcast_ref::<&str>().map(|t| (*t).to_owned()));
+        Err(format!("panicked: {}", text.unwrap_or_default()))
+    })
+}
+
+fn fly_drawn(draw: &Draw) -> Result<Exercise, String> {
+    let world = world_of(&draw.scenario).map_err(|e| format!("no world: {e}"))?;
+    let mission = SetMembership::new(&draw.scenario);
+    let mut engine = Engine::new(mission, world, &draw.scenario.netem, draw.scenario.seed);
+    let mut laws = Laws::new(draw);
+    let mut fly = |engine: &mut Swarm| {
+        let trace = engine.step();
+        laws.check(engine, &trace).map_err(|law| format!("step {}: {law}", trace.step))
+    };
+    (0..draw.steps).try_for_each(|_| fly(&mut engine))?;
+    engine.reconfigure_links(&draw.healed);
+    // What was said before may still arrive and be news to one of the core.
+    let mut drained = 0..DRAIN_STEPS;
+    while engine.counters().in_flight > 0 && drained.next().is_some() {
+        fly(&mut engine)?;
+    }
+    let is_quiet = engine.counters().in_flight == 0;
+    (0..draw.settle_steps).try_for_each(|_| fly(&mut engine))?;
+    let mut exercise = laws.exercise(&engine);
+    if draw.must_converge() && is_quiet {
+        converge::check(&engine, &draw.core)?;
+        exercise.converged = 1;
+    }
+    Ok(exercise)
+}

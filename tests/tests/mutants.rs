@@ -1,0 +1,38 @@
+//! The swarm notices every known mistake.
+
+use csat_agent::mutant::{Mutant, switch};
+use csat_tests::swarm;
+use rayon::prelude::*;
+
+/// Seeds after which a mistake counts as unnoticed.
+const SEEDS: u64 = 400;
+/// Seeds flown at once.
+const BATCH: u64 = 8;
+
+/// The first seed that notices, and what it notices.
+fn noticed() -> Option<(u64, String)> {
+    (0..SEEDS).step_by(BATCH as usize).find_map(|start| {
+        let batch = (start..start + BATCH).into_par_iter();
+        let found: Vec<_> =
+            batch.filter_map(|seed| Some((seed, swarm::fly(seed).err()?))).collect();
+        found.into_iter().next()
+    })
+}
+
+#[test]
+fn every_known_mistake_is_noticed() {
+    // Panics of mutated agents are expected and caught.
+    std::panic::set_hook(Box::new(|_| {}));
+    let mut alive = Vec::new();
+    for mutant in Mutant::ALL {
+        switch(Some(mutant));
+        match noticed() {
+            Some((seed, law)) => println!("{mutant:?}: seed {seed}, {law}"),
+            None => alive.push(mutant),
+        }
+    }
+    switch(None);
+    let _ = std::panic::take_hook();
+    assert!(alive.is_empty(), "not noticed within {SEEDS} seeds: {alive:?}");
+    assert_eq!(swarm::fly(0).err(), None, "without a mistake nothing is noticed");
+}

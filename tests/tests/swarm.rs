@@ -1,0 +1,81 @@
+//! The soundness swarm: a fixed few hundred seeds, those that once failed, and a few fresh ones.
+//!
+//! `CSAT_SEEDS=10000` flies that many instead; `CSAT_SEED=7` flies one.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::time::SystemTime;
+
+use csat_tests::swarm::{self, Exercise};
+use rayon::prelude::*;
+
+/// Seeds that are flown every time.
+const FIXED: u64 = 300;
+/// Seeds that nobody has flown before.
+const FRESH: u64 = 20;
+/// Seeds that failed once; failing ones are added.
+const REGRESSIONS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/swarm_regressions.txt");
+
+fn variable(name: &str) -> Option<u64> {
+    std::env::var(name).ok()?.parse().ok()
+}
+
+fn regressions() -> Vec<u64> {
+    let text = fs::read_to_string(REGRESSIONS).unwrap_or_default();
+    let numbers = text.lines().filter_map(|line| line.split_whitespace().next());
+    numbers.filter_map(|number| number.parse().ok()).collect()
+}
+
+#[expect(clippy::disallowed_methods, reason = "fresh seeds are to be new ones")]
+fn seeds() -> Vec<u64> {
+    if let Some(seed) = variable("CSAT_SEED") {
+        return vec![seed];
+    }
+    if let Some(count) = variable("CSAT_SEEDS") {
+        return (0..count).collect();
+    }
+    let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+    let fresh = since_1970.map_or(0, |time| time.as_secs()) << 8;
+    let mut seeds = regressions();
+    seeds.extend((0..FIXED).chain(fresh..fresh + FRESH));
+    seeds
+}
+
+/// Writes a seed down so that it is flown from now on.
+fn keep(seed: u64, law: &str) {
+    if !Path::new(REGRESSIONS).exists() || regressions().contains(&seed) {
+        return;
+    }
+    if let Ok(mut file) = fs::OpenOptions::new().append(true).open(REGRESSIONS) {
+        let _ = writeln!(file, "{seed}  # {}", law.lines().next().unwrap_or_default());
+    }
+}
+
+#[test]
+fn whatever_the_links_do_the_guarantee_holds_and_a_healed_core_agrees() {
+    let seeds = seeds();
+    let flown: Vec<_> = seeds.par_iter().map(|&seed| (seed, swarm::fly(seed))).collect();
+    let mut failures = Vec::new();
+    let mut exercise = Exercise::default();
+    for (seed, result) in flown {
+        match result {
+            Ok(more) => exercise = exercise.with(more),
+            Err(law) => {
+                keep(seed, &law);
+                failures.push(format!(
+                    "seed {seed}: {law}\n    replay it with CSAT_SEED={seed} cargo test -p \
+                     csat-tests --test swarm -- --nocapture"
+                ));
+            }
+        }
+    }
+    println!("{exercise:#?}");
+    assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), seeds.len(), failures.join("\n"));
+    if seeds.len() as u64 >= FIXED {
+        let Exercise { corrupted, duplicated, late, crashes, stale, merged, converged, .. } =
+            exercise;
+        let rare = [corrupted, duplicated, late, crashes, stale, merged, converged];
+        assert!(rare.iter().all(|&count| count > 10), "{exercise:?}");
+    }
+}
