@@ -241,7 +241,7 @@ impl<'de> Deserialize<'de> for Region {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         use serde::de::Error;
         let wire = Vec::<Vec<Vec<(i64, i64)>>>::deserialize(deserializer)?;
-        let limit = i64::from(to_units(MAX_COORDINATE_M));
+        let limit = u64::from(to_units(MAX_COORDINATE_M).unsigned_abs());
         let (mut x, mut y) = (0i64, 0i64);
         let mut shapes = Vec::with_capacity(wire.len());
         for wire_shape in wire {
@@ -250,7 +250,7 @@ impl<'de> Deserialize<'de> for Region {
                 let mut ring = Vec::with_capacity(wire_ring.len());
                 for (dx, dy) in wire_ring {
                     (x, y) = (x.saturating_add(dx), y.saturating_add(dy));
-                    if x.abs() > limit || y.abs() > limit {
+                    if x.unsigned_abs() > limit || y.unsigned_abs() > limit {
                         return Err(D::Error::custom("region vertex outside the grid"));
                     }
                     ring.push(GridPoint::new(x as i32, y as i32));
@@ -306,7 +306,9 @@ mod tests {
     fn degenerate_rings_and_far_points_are_refused() {
         let two_points = vec![vec![vec![(0i64, 0i64), (1, 1)]]];
         let far = vec![vec![vec![(0i64, 0i64), (1 << 40, 1), (0, 5)]]];
-        for wire in [two_points, far, vec![vec![]]] {
+        // The one number without an absolute value; a fuzzer found it.
+        let farthest = vec![vec![vec![(i64::MIN, 0i64), (0, 1), (0, 5)]]];
+        for wire in [two_points, far, farthest, vec![vec![]]] {
             let bytes = postcard::to_stdvec(&wire).unwrap();
             assert!(postcard::from_bytes::<Region>(&bytes).is_err(), "{wire:?}");
         }

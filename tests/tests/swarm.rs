@@ -1,6 +1,6 @@
 //! The soundness swarm: a fixed few hundred seeds, those that once failed, and a few fresh ones.
 //!
-//! `CSAT_SEEDS=10000` flies that many instead; `CSAT_SEED=7` flies one.
+//! `CSAT_SEEDS=10000` flies that many instead, `CSAT_SEEDS=500..700` those; `CSAT_SEED=7` flies one.
 
 use std::fs;
 use std::io::Write;
@@ -21,6 +21,13 @@ fn variable(name: &str) -> Option<u64> {
     std::env::var(name).ok()?.parse().ok()
 }
 
+/// `CSAT_SEEDS`: how many, or from..to.
+fn range() -> Option<std::ops::Range<u64>> {
+    let text = std::env::var("CSAT_SEEDS").ok()?;
+    let (from, to) = text.split_once("..").unwrap_or(("0", &text));
+    Some(from.parse().ok()?..to.parse().ok()?)
+}
+
 fn regressions() -> Vec<u64> {
     let text = fs::read_to_string(REGRESSIONS).unwrap_or_default();
     let numbers = text.lines().filter_map(|line| line.split_whitespace().next());
@@ -32,8 +39,8 @@ fn seeds() -> Vec<u64> {
     if let Some(seed) = variable("CSAT_SEED") {
         return vec![seed];
     }
-    if let Some(count) = variable("CSAT_SEEDS") {
-        return (0..count).collect();
+    if let Some(range) = range() {
+        return range.collect();
     }
     let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
     let fresh = since_1970.map_or(0, |time| time.as_secs()) << 8;

@@ -200,6 +200,10 @@ fn impossible_values_are_explained() {
         ("guidance.increments_deg=[]", "empty", "1 to 32 angles from -180 to 180 degrees"),
         ("exchange.snapshot_period_s=0.1", "0.1", "at least run.period_s = 0.5 s"),
         ("exchange.max_vertices=3", "3", "4 or more"),
+        ("exchange.repair_period_s=0", "0", "at least run.period_s = 0.5 s"),
+        ("exchange.repair_delay_s=-1", "-1", "0 or a number above it"),
+        ("exchange.budget_bytes_s=0", "0", "at least 50 bytes per second, or inf for no limit"),
+        ("exchange.channels.plans=far", "`far`", "a radio of [netem]: `radio`"),
     ] {
         let key = set.split('=').next().unwrap();
         let message = set_mistake(&[set]);

@@ -2,7 +2,9 @@
 //!
 //! The town's own values (`map.*`) are judged by `csat-world` when it makes the town.
 
-use csat_agent::config::{EstimatorConfig, ExchangeConfig, GuidanceConfig};
+mod exchange;
+
+use csat_agent::config::{EstimatorConfig, GuidanceConfig};
 use csat_proto::camera::CameraModel;
 use csat_proto::model::{FleetModel, TargetsModel};
 use csat_world::map::MapKind;
@@ -48,7 +50,7 @@ pub fn validate(scenario: &Scenario) -> Vec<Issue> {
     camera(&mut check, scenario);
     estimator(&mut check, &scenario.estimator, scenario.map.size_m);
     guidance(&mut check, &scenario.guidance, period_s);
-    exchange(&mut check, &scenario.exchange, period_s);
+    exchange::judge(&mut check, &scenario.exchange, &scenario.netem, period_s);
     for (key, what) in scenario.netem.mistakes(scenario.agents.count) {
         let key = format!("netem.{key}");
         let key = key.trim_end_matches('.');
@@ -303,20 +305,4 @@ fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>)
         &got,
         "1 to 32 angles from -180 to 180 degrees",
     );
-}
-
-fn exchange(check: &mut Check, exchange: &ExchangeConfig, period_s: Option<f64>) {
-    let between = exchange.snapshot_period_s;
-    let shortest = period_s.unwrap_or(f64::MIN_POSITIVE);
-    check.that(
-        between >= shortest && between.is_finite(),
-        &["exchange.snapshot_period_s", "run.period_s"],
-        &between.to_string(),
-        &format!("at least run.period_s = {shortest} s"),
-    );
-    check.positive("exchange.max_age_s", exchange.max_age_s);
-    check.not_negative("exchange.clock_skew_s", exchange.clock_skew_s);
-    let vertices = exchange.max_vertices;
-    let holds = vertices >= 4;
-    check.that(holds, &["exchange.max_vertices"], &vertices.to_string(), "4 or more");
 }

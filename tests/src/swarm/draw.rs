@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::missions::{small, world_of};
 
 /// Steps with faults.
-const STEPS: u32 = 30;
+const STEPS: u32 = 24;
 
 /// What a seed stands for.
 #[derive(Debug, Clone)]
@@ -58,15 +58,17 @@ impl Draw {
 fn town(seed: u64, rng: &mut ChaCha8Rng) -> Scenario {
     loop {
         let side_m = rng.random_range(80.0..130.0);
-        let mut scenario = small(seed, side_m, rng.random_range(2..=4));
+        let mut scenario = small(seed, side_m, [2, 2, 3, 3, 4][rng.random_range(0..5)]);
         scenario.seed = rng.random::<u32>().into();
         scenario.targets.count = rng.random_range(1..=4);
         scenario.targets.v_max_m_s = [0.5, 1.0, 2.0, 4.0][rng.random_range(0..4)];
         scenario.agents.start_offset_m = [0.0, -0.3 * side_m][rng.random_range(0..2)].max(0.0);
-        scenario.camera.columns = 64;
-        scenario.camera.rows = 48;
-        scenario.estimator.disc_vertices = rng.random_range(5..=16);
-        scenario.estimator.simplify_m = [0.0, 0.15, 0.5][rng.random_range(0..3)];
+        scenario.camera.columns = 48;
+        scenario.camera.rows = 36;
+        scenario.estimator.disc_vertices = rng.random_range(5..=9);
+        scenario.estimator.simplify_m = [0.0, 0.3, 1.0, 1.0][rng.random_range(0..4)];
+        scenario.estimator.simplify_margin_m = 1.0;
+        scenario.estimator.outline_tolerance_px = 2.0;
         scenario.guidance.n_mpc = 1;
         scenario.guidance.increments_deg = vec![-60.0, 0.0, 60.0];
         let schedules =
@@ -89,8 +91,8 @@ fn exchange(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
     // Half of the missions rely on digests alone.
     exchange.snapshot_period_s =
         if rng.random_bool(0.5) { 1000.0 } else { rng.random_range(2.0..8.0) };
-    exchange.repair_period_s = rng.random_range(0.5..1.5);
-    exchange.repair_delay_s = rng.random_range(0.5..1.0);
+    exchange.repair_period_s = rng.random_range(0.5..1.0);
+    exchange.repair_delay_s = rng.random_range(0.2..1.0);
     if rng.random_bool(0.25) {
         exchange.budget_bytes_s = rng.random_range(200.0..4000.0);
     }
