@@ -2,7 +2,7 @@
 //!
 //! Each is a line that somebody could have written instead of the right one. With the feature
 //! `mutants`, which only `csat-tests` asks for, one of them can be switched on for the whole process;
-//! without it [`is_on`] is `false` at compile time.
+//! without it `is_on` is `false` at compile time.
 
 /// A known mistake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,9 +5,9 @@
 //! |---|---|
 //! | [`state`] | the sets an agent holds |
 //! | [`evidence`] | what frames prove, own and others', as of now |
-//! | [`fuse`] | (4.34)-(4.37): what others knew |
+//! | `fuse` | (4.34)-(4.37): what others knew |
 //! | [`predict`] | (4.24)-(4.27) |
-//! | [`correct`] | (4.28)-(4.33): what frames disprove |
+//! | `correct` | (4.28)-(4.33): what frames disprove |
 //! | [`oem`] | the occupancy-elevation map |
 //!
 //! All that is known of one step is applied at once and in one order, whoever applies it: agents that

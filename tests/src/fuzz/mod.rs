@@ -5,7 +5,7 @@
 //! | [`envelope`] | a message, or what follows its checksum | decoding inverts encoding; nobody panics |
 //! | [`fact`] | the body of a fact | believed or not, the agent lives on and is believed by others |
 //! | [`snapshot`] | the body of a snapshot | the same |
-//! | [`scenario`] | a scenario file | it is loaded or every mistake is told |
+//! | [`mod@scenario`] | a scenario file | it is loaded or every mistake is told |
 
 mod moment;
 pub mod spoil;

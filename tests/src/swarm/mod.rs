@@ -5,9 +5,9 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`draw`] | seed to scenario |
-//! | [`laws`] | what must hold at every step |
-//! | [`merge`] | the laws of merging, on what the agents really know and hear |
-//! | [`converge`] | what the core must agree on in the end |
+//! | `laws` | what must hold at every step |
+//! | `merge` | the laws of merging, on what the agents really know and hear |
+//! | `converge` | what the core must agree on in the end |
 
 mod converge;
 pub mod draw;
