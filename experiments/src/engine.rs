@@ -38,11 +38,15 @@ pub struct Passage {
 pub enum LifeEvent {
     /// It crashed.
     Crashed {
+        /// At the start of this step.
+        step: Step,
         /// Which life ended.
         incarnation: Incarnation,
     },
     /// It was started again.
     Restarted {
+        /// At the start of this step.
+        step: Step,
         /// Which life began.
         incarnation: Incarnation,
     },
@@ -179,6 +183,7 @@ impl<M: Mission> Engine<M> {
 
     /// Ends and begins the lives of agents by the schedule of crashes, at the steps that follow.
     fn crash_and_restart(&mut self, now: SimTime) -> Vec<(AgentId, LifeEvent)> {
+        let step = self.world.step();
         let mut lives = Vec::new();
         for (index, seat) in self.seats.iter_mut().enumerate() {
             let id = AgentId(index as u16);
@@ -187,12 +192,12 @@ impl<M: Mission> Engine<M> {
                 (true, true) => {
                     let incarnation = seat.incarnation();
                     seat.crash();
-                    lives.push((id, LifeEvent::Crashed { incarnation }));
+                    lives.push((id, LifeEvent::Crashed { step, incarnation }));
                 }
                 (false, false) => {
                     seat.restart(|incarnation| self.mission.agent(id, incarnation));
                     let incarnation = seat.incarnation();
-                    lives.push((id, LifeEvent::Restarted { incarnation }));
+                    lives.push((id, LifeEvent::Restarted { step, incarnation }));
                 }
                 (true, false) | (false, true) => {}
             }

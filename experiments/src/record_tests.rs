@@ -61,6 +61,7 @@ fn a_finished_run_has_every_file_and_its_numbers() {
         names(&folder),
         [
             "events.jsonl",
+            "links.csv",
             "map.svg",
             "metrics.csv",
             "metrics.svg",

@@ -154,8 +154,15 @@ pub fn short(n: f64) -> String {
 /// The unit that the name of a key ends with.
 fn unit(keys: &[String]) -> &'static str {
     let [key] = keys else { return "" };
-    let units =
-        [("_m_s", " [m/s]"), ("_m", " [m]"), ("_s", " [s]"), ("_deg", " [°]"), ("_pct", " [%]")];
+    let units = [
+        ("bytes_s", " [bytes/s]"),
+        ("_bytes", " [bytes]"),
+        ("_m_s", " [m/s]"),
+        ("_m", " [m]"),
+        ("_s", " [s]"),
+        ("_deg", " [°]"),
+        ("_pct", " [%]"),
+    ];
     units.iter().find(|(ending, _)| key.ends_with(ending)).map_or("", |(_, unit)| unit)
 }
 
