@@ -6,9 +6,10 @@ use std::path::Path;
 
 use common::{SMALL, csat, json, names, read, scratch, small_run, text};
 
-const FILES: [&str; 9] = [
+const FILES: [&str; 10] = [
     "csat.log",
     "events.jsonl",
+    "links.csv",
     "map.svg",
     "metrics.csv",
     "metrics.svg",
