@@ -3,7 +3,7 @@
 use csat_tests::fuzz::{self, spoil};
 use libfuzzer_sys::{fuzz_mutator, fuzz_target, fuzzer_mutate};
 
-fuzz_target!(|bytes: &[u8]| fuzz::fact(bytes));
+fuzz_target!(init: { csat_tests::fuzz::Moment::shared(); }, |bytes: &[u8]| fuzz::fact(bytes));
 
 // Half of the changes are lies with a shape, the rest of bytes.
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
