@@ -6,8 +6,8 @@ use super::sweep::{dilated_path, eroded_path};
 use super::{Disc, Inner, Outer, RULE, overlay};
 
 /// The largest disc that sets are swept with at once, metres.
-const FIRST_STAGE_M: f64 = 2.0;
-/// Before each later stage sets are simplified by this share of the way so far.
+const FIRST_STAGE_M: f64 = 1.0;
+/// Before each stage sets are simplified by this share of its disc's radius.
 const STAGE_TOLERANCE: f64 = 1.0 / 32.0;
 
 /// A disc of any size, in stages.
@@ -37,7 +37,7 @@ impl Reach {
         let mut done_m = 0.0;
         while done_m < radius_m && radius_m.is_finite() {
             let part_m = (radius_m - done_m).min(f64::max(done_m, FIRST_STAGE_M));
-            let tolerance_m = done_m * STAGE_TOLERANCE;
+            let tolerance_m = part_m * STAGE_TOLERANCE;
             let disc = Disc::circumscribed(part_m, vertices);
             stages.push(Stage { disc, radius_m: part_m, tolerance_m });
             done_m += part_m;
@@ -56,9 +56,9 @@ impl Outer {
         for (index, stage) in reach.stages.iter().enumerate() {
             let set = match index {
                 0 => self.clone(),
-                _ => Outer::containing(overlay(&paths, [], RULE::Subject))
-                    .simplified(stage.tolerance_m),
+                _ => Outer::containing(overlay(&paths, [], RULE::Subject)),
             };
+            let set = set.simplified(stage.tolerance_m);
             let rings = set.region().shapes().iter().flat_map(|shape| stage.swept_rings(shape));
             paths = rings.map(|ring| dilated_path(ring, &stage.disc)).collect();
         }
@@ -74,9 +74,7 @@ impl Inner {
         }
         let mut left = self.clone();
         for stage in &reach.stages {
-            if stage.tolerance_m > 0.0 {
-                left = left.simplified(stage.tolerance_m);
-            }
+            left = left.simplified(stage.tolerance_m);
             let shapes = left.region().shapes().iter();
             let rings = shapes.filter(|shape| !stage.exceeds(&shape[0])).flatten();
             let paths: Vec<Ring> = rings.map(|ring| eroded_path(ring, &stage.disc)).collect();
