@@ -84,8 +84,6 @@ pub struct SetMembershipAgent {
     measured: Option<Measured>,
     /// The step of that frame and whether it was told, until it is applied.
     frame: Option<(Step, bool)>,
-    /// What was held before that frame, as the others were told.
-    digest: Digest,
     /// What each neighbour last reported as hidden, for `str2`.
     hidden_to: BTreeMap<AgentId, Raster>,
     /// Where each neighbour last was heard from.
@@ -113,7 +111,6 @@ impl SetMembershipAgent {
             outbox: Outbox::new(config),
             repair: Repair::new(config),
             frame: None,
-            digest: Digest::default(),
             pose: Pose::default(),
             commanded_yaw_rad: None,
             measured: None,
@@ -186,7 +183,7 @@ impl SetMembershipAgent {
                 self.held.adopt(&h.fact.held.facts);
                 self.repair.snapshot_heard(step);
             }
-            self.repair.hear(step, h.src, &h.fact.held, &self.digest);
+            self.repair.hear(step, h.src, h.fact.step, &h.fact.held);
         }
         let own = self.measured.as_ref().filter(|_| frame.is_some()).map(|m| (step, m));
         let changes = self.estimator.update(&mut self.knowledge, own, heard);
@@ -269,11 +266,13 @@ impl Agent for SetMembershipAgent {
         // The frame before was never followed by a timeout: whoever drives this is late.
         self.update();
         let measured = info_span!("sense").in_scope(|| self.sensor.measure(frame));
-        let repairs = self.config.exchange.mode == ExchangeMode::FactsRepair;
-        if repairs {
-            let oem = self.knowledge.oem.block_hashes();
-            self.digest = Digest { facts: self.held.facts(), oem };
-        }
+        let held = match self.config.exchange.mode {
+            ExchangeMode::FactsRepair => {
+                let map = self.knowledge.oem.block_hashes();
+                self.repair.hold(frame.step, self.held.facts(), map)
+            }
+            _ => Digest::default(),
+        };
         let mut changed = BTreeMap::new();
         for &delta in &measured.oem {
             if self.knowledge.oem.join(delta) {
@@ -287,7 +286,7 @@ impl Agent for SetMembershipAgent {
             measured: &measured,
             changed,
             knowledge: &self.knowledge,
-            held: self.digest.clone(),
+            held,
             uavs: self.fleet(),
         };
         let said = self.outbox.say_step(&account, &mut self.repair);

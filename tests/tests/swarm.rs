@@ -80,9 +80,9 @@ fn whatever_the_links_do_the_guarantee_holds_and_a_healed_core_agrees() {
     println!("{exercise:#?}");
     assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), seeds.len(), failures.join("\n"));
     if seeds.len() as u64 >= FIXED {
-        let Exercise { corrupted, duplicated, late, crashes, stale, merged, converged, .. } =
+        let Exercise { corrupted, duplicated, late, crashes, stale, merged, precise, .. } =
             exercise;
-        let rare = [corrupted, duplicated, late, crashes, stale, merged, converged];
+        let rare = [corrupted, duplicated, late, crashes, stale, merged, precise];
         assert!(rare.iter().all(|&count| count > 10), "{exercise:?}");
     }
 }

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::Grid;
-use xxhash_rust::xxh3::Xxh3Default;
+use csat_proto::time::Step;
+use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
 
 use crate::mutant::{Mutant, is_on};
 
@@ -68,9 +69,8 @@ impl Oem {
         (grid.columns as usize).div_ceil(BLOCK) * (grid.rows as usize).div_ceil(BLOCK)
     }
 
-    /// A hash of each block of [`BLOCK`] x [`BLOCK`] cells, row-major: equal blocks have equal
-    /// hashes, and different ones hardly ever.
-    pub fn block_hashes(&self) -> Vec<u16> {
+    /// A hash of each block of [`BLOCK`] x [`BLOCK`] cells, row-major.
+    pub fn block_hashes(&self) -> BlockHashes {
         let columns = self.grid.columns as usize;
         let mut hashers = vec![Xxh3Default::new(); Self::blocks(&self.grid)];
         for (row, cells) in self.cells.chunks(columns).enumerate() {
@@ -79,7 +79,7 @@ impl Oem {
                 part.iter().for_each(|state| hasher.update(&state.code().to_le_bytes()));
             }
         }
-        hashers.iter().map(|hasher| hasher.digest() as u16).collect()
+        BlockHashes(hashers.iter().map(Xxh3Default::digest).collect())
     }
 
     fn blocks_per_row(&self) -> usize {
@@ -89,6 +89,25 @@ impl Oem {
     fn block_of(&self, cell: usize) -> usize {
         let columns = self.grid.columns as usize;
         cell / columns / BLOCK * self.blocks_per_row() + cell % columns / BLOCK
+    }
+}
+
+/// Hashes of the blocks of a map, row-major.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct BlockHashes(Vec<u64>);
+
+impl BlockHashes {
+    /// The hashes as a digest of `step` tells them, short: equal blocks have equal ones, and
+    /// different ones hardly ever.
+    ///
+    /// Each step shortens in a way of its own. Else two maps that no longer change could differ in a
+    /// block for good without anybody noticing.
+    pub fn told_at(&self, step: Step) -> Vec<u16> {
+        let short = |hash: &u64| {
+            let stamped = [hash.to_le_bytes(), u64::from(step.0).to_le_bytes()];
+            xxh3_64(stamped.as_flattened()) as u16
+        };
+        self.0.iter().map(short).collect()
     }
 }
 
@@ -107,16 +126,27 @@ mod tests {
         let grid = Grid::covering(&Ground { size_m: [200.0, 105.0] }, 5.0);
         let start = Oem::unexplored(grid);
         let before = start.block_hashes();
-        assert_eq!(before.len(), 6);
+        assert_eq!(before.0.len(), 6);
         for (column, row, block) in [(0, 0, 0), (15, 15, 0), (16, 0, 1), (39, 15, 2), (33, 20, 5)] {
             let mut oem = start.clone();
             let cell = grid.index(column, row) as u32;
             assert!(oem.join(OemDelta { cell, state: OemCell::Empty }));
             let after = oem.block_hashes();
-            let changed: Vec<usize> = (0..6).filter(|&b| before[b] != after[b]).collect();
+            let changed: Vec<usize> = (0..6).filter(|&b| before.0[b] != after.0[b]).collect();
             assert_eq!(changed, [block]);
             assert_eq!(oem.known_in(&BTreeSet::from([block])).count(), 1);
             assert_eq!(oem.known_in(&BTreeSet::from([(block + 1) % 6])).count(), 0);
         }
+    }
+
+    #[test]
+    fn blocks_that_look_equal_at_one_step_do_not_at_the_next() {
+        let alike = |a: u64, b: u64, step| {
+            let told = BlockHashes(vec![a, b]).told_at(Step(step));
+            told[0] == told[1]
+        };
+        let twin = (1..).find(|&twin| alike(0, twin, 7)).unwrap();
+        assert!(!alike(0, twin, 8));
+        assert!((0..100).all(|step| alike(twin, twin, step)));
     }
 }

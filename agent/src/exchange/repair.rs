@@ -5,13 +5,14 @@
 //! else as a snapshot. All neighbours see the same digest, so they take turns: the next in the order
 //! of indexes answers at once, the others only if the digest does not get better.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use csat_proto::ids::AgentId;
-use csat_proto::message::Digest;
+use csat_proto::message::{Digest, HeldFacts};
 use csat_proto::time::Step;
 
 use crate::config::AgentConfig;
+use crate::estimate::oem::BlockHashes;
 use crate::mutant::{Mutant, is_on};
 
 /// Steps that each neighbour leaves to the one before it to answer.
@@ -29,6 +30,10 @@ pub struct Repair {
     /// Steps that a message may be on its way.
     delay: u32,
     period: u32,
+    /// The facts held at each step since the last one that no message on its way can be older than.
+    past: VecDeque<(Step, Vec<HeldFacts>)>,
+    /// The own map.
+    map: BlockHashes,
     /// Who lacks facts, and when to answer.
     lacking: BTreeMap<AgentId, Step>,
     /// Per neighbour and block that it holds differently, when to say the block again.
@@ -46,21 +51,34 @@ impl Repair {
             fleet: config.fleet.count,
             delay: steps(config.exchange.repair_delay_s),
             period: steps(config.exchange.repair_period_s),
+            past: VecDeque::new(),
+            map: BlockHashes::default(),
             lacking: BTreeMap::new(),
             blocks: BTreeMap::new(),
             next: Step(0),
         }
     }
 
-    /// A neighbour's digest came, at step `now`; `own` is the own one.
-    pub fn hear(&mut self, now: Step, from: AgentId, digest: &Digest, own: &Digest) {
+    /// What is held before the frame of step `now`, as a digest tells it.
+    pub fn hold(&mut self, now: Step, facts: Vec<HeldFacts>, map: BlockHashes) -> Digest {
+        let oem = map.told_at(now);
+        self.map = map;
+        self.past.push_back((now, facts.clone()));
+        while self.past.get(1).is_some_and(|(step, _)| step.0.saturating_add(self.delay) <= now.0) {
+            self.past.pop_front();
+        }
+        Digest { facts, oem }
+    }
+
+    /// A neighbour's digest of step `then` came at step `now`.
+    pub fn hear(&mut self, now: Step, from: AgentId, then: Step, digest: &Digest) {
         let answer_at = Step(now.0 + self.turn(from) * TURN_STEPS);
-        if self.lacks_facts(from, digest, own) {
+        if self.lacks_facts(now, from, digest) {
             self.lacking.entry(from).or_insert(answer_at);
         } else {
             self.lacking.remove(&from);
         }
-        for (block, (theirs, ours)) in digest.oem.iter().zip(&own.oem).enumerate() {
+        for (block, (theirs, ours)) in digest.oem.iter().zip(&self.map.told_at(then)).enumerate() {
             if theirs == ours {
                 self.blocks.remove(&(from, block));
             } else {
@@ -92,9 +110,15 @@ impl Repair {
 
     /// The blocks of the map to be said again at `now`, which are then taken as said.
     pub fn blocks_due(&mut self, now: Step) -> BTreeSet<usize> {
-        let due = self.blocks.iter().filter(|(_, at)| **at <= now).map(|((_, block), _)| *block);
-        let due: BTreeSet<usize> =
-            due.collect::<BTreeSet<_>>().into_iter().take(BLOCKS_PER_FACT).collect();
+        // Whoever is gone never agrees: the blocks it lacks must not keep others from their turn.
+        let waiting = self.blocks.iter().map(|((_, block), at)| (*at, *block));
+        let waiting: BTreeSet<_> = waiting.filter(|(at, _)| *at <= now).collect();
+        let mut due = BTreeSet::new();
+        for (_, block) in waiting {
+            if due.len() < BLOCKS_PER_FACT {
+                due.insert(block);
+            }
+        }
         if is_on(Mutant::MapNeverRepaired) {
             return BTreeSet::new();
         }
@@ -107,12 +131,16 @@ impl Repair {
         due
     }
 
-    /// Whether `from` is behind by more than messages on their way explain.
-    fn lacks_facts(&self, from: AgentId, digest: &Digest, own: &Digest) -> bool {
-        own.facts.iter().filter(|facts| facts.origin != from).any(|ours| {
+    /// Whether `from` is behind by more than messages on their way explain: by what was held already
+    /// when the oldest of them was sent. How many facts it is behind does not tell: of a life that is
+    /// over there are no more to come, and the last ones may be all that it lacks.
+    fn lacks_facts(&self, now: Step, from: AgentId, digest: &Digest) -> bool {
+        let is_old = |(step, _): &&(Step, _)| step.0.saturating_add(self.delay) <= now.0;
+        let held = self.past.front().filter(is_old).into_iter().flat_map(|(_, facts)| facts);
+        held.filter(|facts| facts.origin != from).any(|ours| {
             let key = (ours.origin, ours.incarnation);
             let theirs = digest.facts.iter().find(|f| (f.origin, f.incarnation) == key);
-            theirs.map_or(0, |f| f.count).saturating_add(self.delay) < ours.count
+            theirs.map_or(0, |f| f.count) < ours.count
         })
     }
 
@@ -128,60 +156,102 @@ impl Repair {
 mod tests {
     use super::*;
     use csat_proto::ids::Incarnation;
-    use csat_proto::message::HeldFacts;
+    use csat_proto::model::Ground;
+    use csat_proto::oem::{OemCell, OemDelta};
+    use csat_proto::raster::Grid;
+
+    use crate::estimate::oem::{BLOCK, Oem};
+
+    const DELAY: u32 = 4;
 
     fn repair(own: u16) -> Repair {
-        let empty = (BTreeMap::new(), BTreeMap::new());
         Repair {
             own: AgentId(own),
             fleet: 4,
-            delay: 4,
+            delay: DELAY,
             period: 10,
-            lacking: empty.0,
-            blocks: empty.1,
+            past: VecDeque::new(),
+            map: BlockHashes::default(),
+            lacking: BTreeMap::new(),
+            blocks: BTreeMap::new(),
             next: Step(0),
         }
     }
 
-    fn digest(counts: [u32; 4], oem: [u16; 2]) -> Digest {
-        let facts = counts.iter().zip(0..).map(|(&count, i)| HeldFacts {
-            origin: AgentId(i),
-            incarnation: Incarnation(0),
-            count,
-        });
-        Digest { facts: facts.collect(), oem: oem.to_vec() }
+    fn facts(counts: [u32; 4]) -> Vec<HeldFacts> {
+        let held =
+            |(count, i)| HeldFacts { origin: AgentId(i), incarnation: Incarnation(0), count };
+        counts.into_iter().zip(0..).map(held).collect()
+    }
+
+    fn digest(counts: [u32; 4]) -> Digest {
+        Digest { facts: facts(counts), oem: Vec::new() }
+    }
+
+    /// Somebody who has held these facts for long.
+    fn helper(own: u16, counts: [u32; 4]) -> Repair {
+        let mut repair = repair(own);
+        repair.hold(Step(20 - DELAY), facts(counts), BlockHashes::default());
+        repair
+    }
+
+    /// A map of `blocks` blocks, of which these are known.
+    fn map(blocks: usize, known: &[usize]) -> BlockHashes {
+        let side_m = BLOCK as f64;
+        let ground = Ground { size_m: [side_m * blocks as f64, side_m] };
+        let mut oem = Oem::unexplored(Grid::covering(&ground, 1.0));
+        for block in known {
+            oem.join(OemDelta { cell: (block * BLOCK) as u32, state: OemCell::Empty });
+        }
+        oem.block_hashes()
+    }
+
+    /// What somebody with this map tells at a step.
+    fn map_digest(step: u32, map: &BlockHashes) -> Digest {
+        Digest { facts: Vec::new(), oem: map.told_at(Step(step)) }
     }
 
     #[test]
     fn what_may_be_on_its_way_is_not_lacking() {
         let mut repair = repair(2);
-        let own = digest([20, 20, 20, 20], [7, 7]);
-        repair.hear(Step(20), AgentId(1), &digest([16, 16, 16, 16], [7, 7]), &own);
+        for step in 0..=20 {
+            repair.hold(Step(step), facts([step; 4]), BlockHashes::default());
+        }
+        repair.hear(Step(20), AgentId(1), Step(20), &digest([16, 16, 16, 16]));
         assert!(!repair.snapshot_due(Step(100)));
         // Its own facts it need not hold from others.
-        repair.hear(Step(20), AgentId(1), &digest([16, 0, 16, 16], [7, 7]), &own);
+        repair.hear(Step(20), AgentId(1), Step(20), &digest([16, 0, 16, 16]));
         assert!(!repair.snapshot_due(Step(100)));
-        repair.hear(Step(20), AgentId(1), &digest([15, 16, 16, 16], [7, 7]), &own);
+        repair.hear(Step(20), AgentId(1), Step(20), &digest([15, 16, 16, 16]));
         assert!(repair.snapshot_due(Step(20)));
         repair.snapshot_said(Step(20));
-        repair.hear(Step(21), AgentId(1), &digest([15, 16, 16, 16], [7, 7]), &own);
+        repair.hear(Step(21), AgentId(1), Step(21), &digest([15, 16, 16, 16]));
         assert!(!repair.snapshot_due(Step(29)) && repair.snapshot_due(Step(30)));
-        repair.hear(Step(31), AgentId(1), &digest([20, 16, 20, 20], [7, 7]), &own);
+        repair.hear(Step(31), AgentId(1), Step(31), &digest([20, 16, 20, 20]));
         assert!(!repair.snapshot_due(Step(31)));
     }
 
     #[test]
+    fn the_last_fact_of_a_life_that_is_over_is_lacking_once_it_is_old() {
+        let mut repair = repair(2);
+        for step in 20..=24 {
+            repair.hold(Step(step), facts([9, step, step, step]), BlockHashes::default());
+            repair.hear(Step(step), AgentId(1), Step(step), &digest([8, step, step, step]));
+            assert_eq!(repair.snapshot_due(Step(100)), step >= 20 + DELAY, "at {step}");
+        }
+    }
+
+    #[test]
     fn neighbours_take_turns() {
-        let own = digest([20, 20, 20, 20], [7, 7]);
-        let behind = digest([0, 20, 20, 20], [7, 7]);
+        let behind = digest([0, 20, 20, 20]);
         let first_due = |own_id| {
-            let mut repair = repair(own_id);
-            repair.hear(Step(20), AgentId(1), &behind, &own);
+            let mut repair = helper(own_id, [20; 4]);
+            repair.hear(Step(20), AgentId(1), Step(20), &behind);
             (20..).find(|&step| repair.snapshot_due(Step(step))).unwrap()
         };
         assert_eq!([2, 3, 0].map(first_due), [20, 22, 24]);
-        let mut second = repair(3);
-        second.hear(Step(20), AgentId(1), &behind, &own);
+        let mut second = helper(3, [20; 4]);
+        second.hear(Step(20), AgentId(1), Step(20), &behind);
         second.snapshot_heard(Step(21));
         assert!(!second.snapshot_due(Step(26)) && second.snapshot_due(Step(27)));
     }
@@ -189,14 +259,28 @@ mod tests {
     #[test]
     fn blocks_that_stay_different_are_said_again() {
         let mut repair = repair(2);
-        let (own, other) = (digest([0; 4], [7, 7]), digest([0; 4], [7, 8]));
-        repair.hear(Step(20), AgentId(1), &other, &own);
+        let (own, other) = (map(2, &[1]), map(2, &[]));
+        repair.hold(Step(20), Vec::new(), own.clone());
+        repair.hear(Step(20), AgentId(1), Step(20), &map_digest(20, &other));
         assert!(repair.blocks_due(Step(23)).is_empty());
-        repair.hear(Step(23), AgentId(1), &other, &own);
+        // A late digest is compared as of its own step.
+        repair.hear(Step(23), AgentId(1), Step(21), &map_digest(21, &other));
         assert_eq!(repair.blocks_due(Step(24)), BTreeSet::from([1]));
         assert!(repair.blocks_due(Step(33)).is_empty(), "not before the period is over");
         assert_eq!(repair.blocks_due(Step(34)), BTreeSet::from([1]));
-        repair.hear(Step(35), AgentId(1), &own, &own);
+        repair.hear(Step(35), AgentId(1), Step(30), &map_digest(30, &own));
         assert!(repair.blocks_due(Step(99)).is_empty());
+    }
+
+    #[test]
+    fn every_block_has_its_turn_though_somebody_is_gone() {
+        const BLOCKS: usize = 100;
+        let mut repair = repair(2);
+        let all: Vec<usize> = (0..BLOCKS).collect();
+        repair.hold(Step(20), Vec::new(), map(BLOCKS, &all));
+        repair.hear(Step(20), AgentId(1), Step(20), &map_digest(20, &map(BLOCKS, &[])));
+        let steps = 24..24 + BLOCKS.div_ceil(BLOCKS_PER_FACT) as u32;
+        let said: BTreeSet<usize> = steps.flat_map(|step| repair.blocks_due(Step(step))).collect();
+        assert_eq!(said.len(), BLOCKS);
     }
 }

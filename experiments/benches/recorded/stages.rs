@@ -97,7 +97,10 @@ pub fn stage_say((outbox, repair): &mut (Outbox, Repair), moment: &Moment) {
         measured: &moment.measured,
         changed: moment.changed.clone(),
         knowledge: &moment.looked,
-        held: Digest { facts: moment.held.clone(), oem: moment.before.oem.block_hashes() },
+        held: Digest {
+            facts: moment.held.clone(),
+            oem: moment.before.oem.block_hashes().told_at(moment.frame.step),
+        },
         uavs: vec![[0.0; 2]; 4],
     };
     assert!(outbox.say_step(&account, repair));

@@ -52,6 +52,13 @@ impl Draw {
         matches!(exchange.mode, ExchangeMode::FactsRepair | ExchangeMode::Snapshot)
             && exchange.budget_bytes_s.is_infinite()
     }
+
+    /// Whether each of the core says what it knows while it settles, whatever digests tell.
+    pub fn says_snapshots(&self) -> bool {
+        let Scenario { exchange, run, .. } = &self.scenario;
+        exchange.mode == ExchangeMode::Snapshot
+            || exchange.snapshot_period_s <= f64::from(self.settle_steps) * run.period_s
+    }
 }
 
 /// A town of a few blocks; another one when the cars find no room.

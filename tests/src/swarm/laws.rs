@@ -11,6 +11,7 @@ use csat_proto::message::{Fact, Known, Message};
 use csat_proto::region::Region;
 use csat_proto::time::Step;
 
+use super::claims::Claims;
 use super::draw::Draw;
 use super::{Exercise, Swarm, merge};
 
@@ -34,10 +35,12 @@ pub struct Laws {
     stale: BTreeMap<AgentId, u64>,
     /// The same for damaged ones.
     damaged: BTreeMap<AgentId, u64>,
+    claims: Claims,
     exercise: Exercise,
 }
 
-type Trace = StepTrace<Event>;
+/// What happened in a step.
+pub type Trace = StepTrace<Event>;
 
 impl Laws {
     /// Before the first step.
@@ -50,6 +53,7 @@ impl Laws {
             believed: BTreeMap::new(),
             stale: BTreeMap::new(),
             damaged: BTreeMap::new(),
+            claims: Claims::default(),
             exercise: Exercise::default(),
         }
     }
@@ -66,6 +70,7 @@ impl Laws {
                 self.believed.retain(|(dst, _), _| dst != agent);
                 self.stale.remove(agent);
                 self.damaged.remove(agent);
+                self.claims.forget(*agent);
             }
         }
         if let Some(violation) = trace.violations.first() {
@@ -78,7 +83,7 @@ impl Laws {
         }
         self.check_said(trace)?;
         for arrival in &trace.arrivals {
-            self.hear(engine, trace.step, arrival);
+            self.hear(engine, trace.step, arrival)?;
         }
         self.check_rejections(engine)?;
         self.exercise.merged += merge::check(engine, trace)?;
@@ -113,7 +118,11 @@ impl Laws {
             let checksum = csat_proto::envelope::checksum(&passage.bytes);
             let identity = (src, incarnation, channel, sequence);
             match self.said.insert(identity, checksum) {
-                None => self.check_truth(&envelope)?,
+                None => {
+                    let message = message_of(&envelope)?;
+                    self.check_truth(src, &message)?;
+                    self.claims.say(src, incarnation, &message)?;
+                }
                 Some(before) if before == checksum => {}
                 Some(_) => return Err(format!("two messages are {identity:?}")),
             }
@@ -121,18 +130,16 @@ impl Laws {
         Ok(())
     }
 
-    fn check_truth(&self, envelope: &Envelope) -> Result<(), String> {
-        let message: Message =
-            postcard::from_bytes(&envelope.body).map_err(|e| format!("said: {e}"))?;
+    fn check_truth(&self, src: AgentId, message: &Message) -> Result<(), String> {
         match message {
-            Message::Fact(fact) => self.check_fact(&fact),
+            Message::Fact(fact) => self.check_fact(fact),
             Message::Snapshot(snapshot) => {
                 self.check_fact(&snapshot.fact)?;
                 self.check_known(&snapshot.known)
             }
             Message::Plan(_) => Ok(()),
         }
-        .map_err(|law| format!("UAV {} said: {law}", envelope.src))
+        .map_err(|law| format!("UAV {src} said: {law}"))
     }
 
     fn at(&self, step: Step) -> Result<impl Iterator<Item = (usize, [f64; 2])> + '_, String> {
@@ -174,24 +181,28 @@ impl Laws {
         Ok(())
     }
 
-    /// Follows what a receiver may believe of whom.
-    fn hear(&mut self, engine: &Swarm, step: Step, arrival: &Arrival) {
+    /// Follows what a receiver may believe of whom, and what it is told.
+    fn hear(&mut self, engine: &Swarm, step: Step, arrival: &Arrival) -> Result<(), String> {
         if !engine.seats()[usize::from(arrival.dst.0)].is_alive() {
-            return;
+            return Ok(());
         }
         let Ok(envelope) = Envelope::decode(&arrival.bytes) else {
             *self.damaged.entry(arrival.dst).or_default() += 1;
-            return;
+            return Ok(());
         };
         if f64::from(step.0 - envelope.step.0) * self.period_s > self.max_age_s {
-            return;
+            return Ok(());
         }
         let known = self.believed.entry((arrival.dst, envelope.src)).or_default();
         if envelope.incarnation < *known {
             *self.stale.entry(arrival.dst).or_default() += 1;
             self.exercise.stale += 1;
+            return Ok(());
         }
-        *known = envelope.incarnation.max(*known);
+        *known = envelope.incarnation;
+        let message = message_of(&envelope)?;
+        self.claims.hear(arrival.dst, envelope.src, envelope.incarnation, &message);
+        Ok(())
     }
 
     /// Agents reject what is damaged, too old or of an earlier life, all of it and nothing else.
@@ -217,6 +228,11 @@ impl Laws {
         }
         Ok(())
     }
+}
+
+/// What an envelope holds.
+fn message_of(envelope: &Envelope) -> Result<Message, String> {
+    postcard::from_bytes(&envelope.body).map_err(|e| format!("said: {e}"))
 }
 
 /// Whether a point is in a set, and more than ε from its border.

@@ -6,9 +6,11 @@
 //! |---|---|
 //! | [`draw`] | seed to scenario |
 //! | `laws` | what must hold at every step |
+//! | `claims` | that agents claim to hold only what they were told |
 //! | `merge` | the laws of merging, on what the agents really know and hear |
 //! | `converge` | what the core must agree on in the end |
 
+mod claims;
 mod converge;
 pub mod draw;
 mod laws;
@@ -20,6 +22,7 @@ use csat_experiments::engine::Engine;
 use csat_experiments::set_membership::SetMembership;
 
 use crate::missions::world_of;
+use converge::Settling;
 use draw::Draw;
 use laws::Laws;
 
@@ -54,6 +57,8 @@ pub struct Exercise {
     pub merged: u64,
     /// Cores that had to agree, and did.
     pub converged: u64,
+    /// Those of them that said snapshots, so that their sets had to agree, too.
+    pub precise: u64,
 }
 
 impl Exercise {
@@ -71,6 +76,7 @@ impl Exercise {
             stale: self.stale + other.stale,
             merged: self.merged + other.merged,
             converged: self.converged + other.converged,
+            precise: self.precise + other.precise,
         }
     }
 }
@@ -95,9 +101,12 @@ fn fly_drawn(draw: &Draw) -> Result<Exercise, String> {
     let mut laws = Laws::new(draw);
     let mut fly = |engine: &mut Swarm| {
         let trace = engine.step();
-        laws.check(engine, &trace).map_err(|law| format!("step {}: {law}", trace.step))
+        laws.check(engine, &trace).map_err(|law| format!("step {}: {law}", trace.step))?;
+        Ok::<_, String>(trace)
     };
-    (0..draw.steps).try_for_each(|_| fly(&mut engine))?;
+    for _ in 0..draw.steps {
+        fly(&mut engine)?;
+    }
     engine.reconfigure_links(&draw.healed);
     // What was said before may still arrive and be news to one of the core.
     let mut drained = 0..DRAIN_STEPS;
@@ -105,10 +114,17 @@ fn fly_drawn(draw: &Draw) -> Result<Exercise, String> {
         fly(&mut engine)?;
     }
     let is_quiet = engine.counters().in_flight == 0;
-    (0..draw.settle_steps).try_for_each(|_| fly(&mut engine))?;
+    let must_converge = draw.must_converge() && is_quiet;
+    let mut settling = Settling::new(draw);
+    for _ in 0..draw.settle_steps {
+        let trace = fly(&mut engine)?;
+        if must_converge {
+            settling.watch(&engine, &trace);
+        }
+    }
     let mut exercise = laws.exercise(&engine);
-    if draw.must_converge() && is_quiet {
-        converge::check(&engine, &draw.core)?;
+    if must_converge {
+        exercise.precise = settling.check(&engine)?.into();
         exercise.converged = 1;
     }
     Ok(exercise)
