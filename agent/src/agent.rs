@@ -6,6 +6,7 @@
 //! others said, and, every T_MPC, guidance decides. Applied together and in one order, the same news
 //! make the same sets in every agent.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 
 use csat_proto::agent::{Agent, Transmit};
@@ -16,7 +17,7 @@ use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::message::{Digest, Plan};
 use csat_proto::raster::Raster;
 use csat_proto::time::{SimTime, Step};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tracing::info_span;
 
 use crate::config::{AgentConfig, ExchangeMode};
@@ -33,7 +34,7 @@ use crate::mutant::{Mutant, is_on};
 use crate::sense::{Measured, Sensor};
 
 /// What an agent reports to whoever observes it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
 pub enum Event {
     /// A target is known of for the first time.
@@ -57,7 +58,7 @@ pub enum Event {
         /// The agent's step.
         step: Step,
         /// Short name of the reason.
-        reason: &'static str,
+        reason: Cow<'static, str>,
         /// What was wrong, with values.
         detail: String,
     },
@@ -78,6 +79,8 @@ pub struct SetMembershipAgent {
     outbox: Outbox,
     repair: Repair,
     pose: Pose,
+    /// What the last decision intends, (5.35).
+    planned: Vec<Pose>,
     /// The heading last commanded, which the vehicle flies or turns to.
     commanded_yaw_rad: Option<f64>,
     /// What the last frame proved.
@@ -112,6 +115,7 @@ impl SetMembershipAgent {
             repair: Repair::new(config),
             frame: None,
             pose: Pose::default(),
+            planned: Vec::new(),
             commanded_yaw_rad: None,
             measured: None,
             hidden_to: BTreeMap::new(),
@@ -143,6 +147,11 @@ impl SetMembershipAgent {
     /// The pose of its last frame.
     pub fn pose(&self) -> &Pose {
         &self.pose
+    }
+
+    /// Where it intends to be at the ends of the blocks of T_MPC; empty before its first decision.
+    pub fn planned(&self) -> &[Pose] {
+        &self.planned
     }
 
     /// How many messages were dropped as invalid, by reason.
@@ -217,7 +226,7 @@ impl SetMembershipAgent {
         if *count == 1 {
             let (step, detail) = (self.knowledge.step, rejection.to_string());
             tracing::warn!(agent = %self.config.id, reason, detail, "message dropped");
-            self.events.push_back(Event::Rejected { step, reason, detail });
+            self.events.push_back(Event::Rejected { step, reason: reason.into(), detail });
         }
     }
 
@@ -241,6 +250,7 @@ impl SetMembershipAgent {
             let pose = Pose { yaw_rad, ..self.pose };
             self.planner.plan(&picture, &pose, &pass.poses)
         });
+        self.planned.clone_from(&decision.poses);
         let plan = Plan { step: pass.step, pass: pass.pass, poses: decision.poses };
         let last = self.scheduler.on_own_plan(&plan);
         if self.config.exchange.mode != ExchangeMode::None {
@@ -328,6 +338,15 @@ impl Agent for SetMembershipAgent {
 
     fn poll_transmit(&mut self) -> Option<Transmit> {
         self.outbox.pop()
+    }
+
+    fn answer(&mut self, now: SimTime) -> Option<Transmit> {
+        // A frame that is measured but not applied is not in the knowledge yet.
+        if self.frame.is_some() || self.config.exchange.mode == ExchangeMode::None {
+            return None;
+        }
+        let (held, hidden) = (self.held.facts(), self.measured.as_ref()?.hidden.clone());
+        self.outbox.answer(now, self.pose, &self.knowledge, held, hidden)
     }
 
     fn poll_command(&mut self) -> Option<YawCommand> {

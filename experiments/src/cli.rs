@@ -4,6 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::process::arguments::{AgentArguments, WorldArguments};
+use crate::process::spawn::SpawnArguments;
+use crate::watch::arguments::WatchArguments;
+
 /// Cooperative search and tracking: a fleet of UAVs finds and follows the cars of an unknown town
 /// with guaranteed sets.
 #[derive(Debug, Clone, Parser)]
@@ -20,6 +24,8 @@ Examples:
   csat run helsinki-05 --seed 7 --set agents.count=6 --set netem.radio.range_m=150
   csat sweep city --vary netem.radio.range_m=25,50,100,200,400,inf --seeds 1..5
   csat check my.toml                        every mistake at once, with its line
+  csat spawn                                the same as processes, each a Zenoh peer
+  csat watch                                watch a fleet that flies in the browser
   csat plot runs/city-seed1                 draw the pictures of a run again
 
 Exit codes:
@@ -34,10 +40,18 @@ Exit codes:
 pub enum Command {
     /// Fly one mission in this process, in virtual time, as fast as it goes
     Run(RunArguments),
+    /// Fly one mission as a world and its agents in processes of their own, each a Zenoh peer
+    Spawn(SpawnArguments),
+    /// Fly the world's side of a mission whose agents are processes of their own
+    World(WorldArguments),
+    /// Fly one agent of a mission whose world is another process
+    Agent(AgentArguments),
     /// Fly every combination of values with every seed; tables, plots and a report
     Sweep(SweepArguments),
     /// Report every mistake of a scenario at once; flies nothing
     Check(ScenarioArguments),
+    /// Show a fleet that flies, or a recorded run, as a live map in the browser
+    Watch(WatchArguments),
     /// Draw the pictures of a run folder again, from its view.json, summary.json and metrics.csv
     Plot {
         /// The run folder

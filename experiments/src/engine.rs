@@ -1,36 +1,27 @@
-//! One process, virtual time: the world, the agents and the links, step by step.
+//! A mission step by step: the world, its fleet wherever it is, and the monitor.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use csat_netem::config::{NetemConfig, OutageConfig};
-use csat_netem::counters::Counters;
-use csat_netem::fate::{Fate, Sent};
-use csat_netem::link::{Arrival, Links};
+use csat_netem::counters::{Counters, LinkCounters};
+use csat_netem::link::{Arrival, LinkId};
 use csat_netem::propagation::Obstruction;
 use csat_proto::agent::Agent;
 use csat_proto::ids::{AgentId, Incarnation, TargetId};
 use csat_proto::time::{SimTime, Step};
 use csat_world::radio::Buildings;
-use csat_world::scene::Scene;
+use csat_world::target::TargetTruth;
 use csat_world::truth::{Knowledge, MessageCounts, Monitor, Violation};
 use csat_world::world::World;
-use rayon::prelude::*;
 use serde::Serialize;
 use xxhash_rust::xxh3::Xxh3Default;
 
-use crate::plug::Mission;
+use crate::fleet::local::LocalFleet;
+use crate::fleet::{Brief, Fleet};
+pub use crate::fleet::{Flown, Passage};
+use crate::plug::{Detail, Mission, Tally};
 use crate::seat::Seat;
-
-/// What became of a message on its way to one receiver.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Passage {
-    /// The message.
-    pub sent: Sent,
-    /// The encoded envelope.
-    pub bytes: Arc<[u8]>,
-    /// Its fate.
-    pub fate: Fate,
-}
 
 /// An agent's process ended or began.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -52,21 +43,16 @@ pub enum LifeEvent {
     },
 }
 
-/// What the links did in one step.
-#[derive(Debug, Default)]
-struct Settled {
-    passages: Vec<Passage>,
-    arrivals: Vec<Arrival>,
-}
-
 /// What happened in one step.
-pub struct StepTrace<E> {
+pub struct StepTrace<M: Mission> {
     /// k.
     pub step: Step,
     /// Who crashed or was restarted.
     pub lives: Vec<(AgentId, LifeEvent)>,
+    /// What each agent told its observers, by index.
+    pub flown: Vec<Flown<M>>,
     /// What the agents reported, by agent.
-    pub events: Vec<(AgentId, E)>,
+    pub events: Vec<(AgentId, <M::Agent as Agent>::Event)>,
     /// What the links did, in the order of sending.
     pub passages: Vec<Passage>,
     /// What arrived, in the order of arrival.
@@ -75,46 +61,118 @@ pub struct StepTrace<E> {
     pub violations: Vec<Violation>,
 }
 
+impl<M: Mission> StepTrace<M> {
+    fn new(
+        step: Step,
+        lives: Vec<(AgentId, LifeEvent)>,
+        mut flown: Vec<Flown<M>>,
+        violations: Vec<Violation>,
+    ) -> Self {
+        let (mut events, mut passages, mut arrivals) = (Vec::new(), Vec::new(), Vec::new());
+        for agent in &mut flown {
+            events.extend(agent.events.drain(..).map(|event| (agent.agent, event)));
+            passages.append(&mut agent.passages);
+            arrivals.append(&mut agent.arrivals);
+        }
+        passages.sort_by_key(|Passage { sent: s, .. }| {
+            (s.time, s.src, s.incarnation, s.channel, s.sequence, s.dst)
+        });
+        arrivals.sort_by_key(|arrival: &Arrival| (arrival.at, arrival.src));
+        Self { step, lives, flown, events, passages, arrivals, violations }
+    }
+}
+
+/// An agent's life, as the engine keeps books of it.
+#[derive(Debug, Clone, Copy)]
+struct Life {
+    incarnation: Incarnation,
+    is_alive: bool,
+    /// Which process drives it, or drove it last.
+    process: Option<u64>,
+}
+
 /// A running mission.
-pub struct Engine<M: Mission> {
+pub struct Engine<M: Mission, F = LocalFleet<M>> {
     mission: M,
     world: World,
-    seats: Vec<Seat<M::Agent>>,
-    links: Links,
+    fleet: F,
+    lives: Vec<Life>,
+    /// What each agent did not believe and did not say in its present life.
+    tallies: Vec<Tally>,
+    /// What lives that are over did not believe and did not say.
+    ended: Tally,
     crashes: Vec<OutageConfig>,
     monitor: Monitor,
+    /// Where targets were.
+    truths: VecDeque<(Step, Vec<TargetTruth>)>,
     seed: u64,
     period_s: f64,
     digest: Xxh3Default,
+    bytes_sent: u64,
     started: bool,
 }
+
+/// For how many steps the truth is kept, for reports that come late.
+const MAX_TRUTHS: usize = 128;
 
 /// Whether an outage lasts at a time.
 fn is_on(outage: &OutageConfig, now: SimTime) -> bool {
     (outage.from_s..outage.until_s).contains(&now.seconds())
 }
 
-impl<M: Mission> Engine<M> {
-    /// A mission about to begin in `world`.
+/// What may stand between antennas, if a channel of `netem` asks for it.
+pub fn obstruction(netem: &NetemConfig, world: &World) -> Option<Arc<dyn Obstruction>> {
+    let is_needed = netem.all_channels().any(|(_, channel)| channel.propagation.is_some());
+    is_needed.then(|| Arc::new(Buildings::new(world.obstacles())) as Arc<dyn Obstruction>)
+}
+
+impl<M: Mission + Clone> Engine<M> {
+    /// A mission about to begin in `world`, with all agents in this process.
     pub fn new(mission: M, world: World, netem: &NetemConfig, seed: u64) -> Self {
-        let seat = |index: usize| {
-            let agent = mission.agent(AgentId(index as u16), Incarnation(0));
-            Seat::new(agent, mission.camera())
-        };
+        let count = world.poses().len();
+        let obstruction = obstruction(netem, &world);
+        let fleet = LocalFleet::new(mission.clone(), count, netem, seed, obstruction);
+        Self::with_fleet(mission, world, fleet, netem, seed)
+    }
+
+    /// The agents, by index.
+    pub fn seats(&self) -> &[Seat<M>] {
+        self.fleet.seats()
+    }
+
+    /// What the links do from now on; what is under way stays under way.
+    pub fn reconfigure_links(&mut self, netem: &NetemConfig) {
+        self.fleet.reconfigure_links(netem);
+        self.crashes = netem.crashes().cloned().collect();
+    }
+
+    /// Flies one step: the first call is step 0, at the start.
+    pub fn step(&mut self) -> StepTrace<M> {
+        let Ok(trace) = self.try_step(Detail::Brief);
+        trace
+    }
+}
+
+impl<M: Mission, F: Fleet<M>> Engine<M, F> {
+    /// A mission about to begin in `world`, flown by `fleet`.
+    pub fn with_fleet(mission: M, world: World, fleet: F, netem: &NetemConfig, seed: u64) -> Self {
+        let count = world.poses().len();
         let period_s = world.config().period_s;
-        let is_needed = netem.all_channels().any(|(_, channel)| channel.propagation.is_some());
-        let buildings = || Arc::new(Buildings::new(world.obstacles())) as Arc<dyn Obstruction>;
-        let obstruction = is_needed.then(buildings);
+        let life = Life { incarnation: Incarnation(0), is_alive: true, process: None };
         Self {
-            seats: (0..world.poses().len()).map(seat).collect(),
+            lives: vec![life; count],
+            tallies: vec![Tally::default(); count],
+            ended: Tally::default(),
             monitor: world.monitor(),
-            links: Links::new(netem, seed, obstruction),
+            truths: VecDeque::new(),
             crashes: netem.crashes().cloned().collect(),
             mission,
             world,
+            fleet,
             seed,
             period_s,
             digest: Xxh3Default::new(),
+            bytes_sent: 0,
             started: false,
         }
     }
@@ -124,30 +182,37 @@ impl<M: Mission> Engine<M> {
         &self.world
     }
 
-    /// The agents, by index.
-    pub fn seats(&self) -> &[Seat<M::Agent>] {
-        &self.seats
+    /// The agents, wherever they are.
+    pub fn fleet_mut(&mut self) -> &mut F {
+        &mut self.fleet
     }
 
-    /// The agents, by index, for measurements that need their scratch memory.
-    pub fn seats_mut(&mut self) -> &mut [Seat<M::Agent>] {
-        &mut self.seats
+    /// Whether an agent runs.
+    pub fn is_alive(&self, agent: AgentId) -> bool {
+        self.lives[usize::from(agent.0)].is_alive
     }
 
-    /// The links.
-    pub fn links(&self) -> &Links {
-        &self.links
+    /// Everything each agent knows, or knew when it crashed.
+    pub fn show(&mut self) -> Vec<Option<M::Report>> {
+        self.fleet.show()
     }
 
-    /// What the links do from now on; what is under way stays under way.
-    pub fn reconfigure_links(&mut self, netem: &NetemConfig) {
-        self.links.reconfigure(netem);
-        self.crashes = netem.crashes().cloned().collect();
+    /// What all lives did not believe and did not say.
+    pub fn tally(&self) -> Tally {
+        let mut tally = self.ended.clone();
+        self.tallies.iter().for_each(|more| tally.add(more));
+        tally
     }
 
     /// What the links did so far.
-    pub fn counters(&self) -> &Counters {
-        self.links.counters()
+    pub fn counters(&self) -> Counters {
+        // Each receiver counts the bytes of a broadcast.
+        Counters { bytes_sent: self.bytes_sent, ..self.fleet.counters() }
+    }
+
+    /// What each link did so far, by sender, receiver and channel.
+    pub fn per_link(&self) -> Vec<(LinkId, LinkCounters)> {
+        self.fleet.per_link()
     }
 
     /// The monitor.
@@ -161,7 +226,10 @@ impl<M: Mission> Engine<M> {
     }
 
     /// Flies one step: the first call is step 0, at the start.
-    pub fn step(&mut self) -> StepTrace<<M::Agent as Agent>::Event> {
+    ///
+    /// # Errors
+    /// When the fleet cannot fly it.
+    pub fn try_step(&mut self, detail: Detail) -> Result<StepTrace<M>, F::Error> {
         if self.started {
             self.world.advance();
         }
@@ -170,124 +238,92 @@ impl<M: Mission> Engine<M> {
         let at = |step: Step| SimTime::from_seconds(f64::from(step.0) * self.period_s);
         let (now, next) = (at(step), at(Step(step.0 + 1)));
         let lives = self.crash_and_restart(now);
-        self.look(now);
-        let Settled { passages, arrivals } = self.settle(now, next);
-        self.obey();
-        for seat in &self.seats {
-            let digest = if seat.is_alive() { seat.agent.digest() } else { 0 };
-            self.digest.update(&digest.to_le_bytes());
+        let brief = Brief {
+            step,
+            now,
+            next,
+            seed: self.seed,
+            scene: self.world.scene(),
+            poses: self.world.poses(),
+            lives: self.lives.iter().map(|l| l.is_alive.then_some(l.incarnation)).collect(),
+            detail,
+        };
+        let mut flown = self.fleet.fly(&brief)?;
+        self.obey(&mut flown);
+        for agent in &flown {
+            self.digest.update(&agent.digest.to_le_bytes());
+            self.bytes_sent += agent.bytes_sent;
+            if let Some(report) = &agent.report {
+                self.tallies[usize::from(agent.agent.0)].clone_from(self.mission.tally(report));
+            }
         }
-        let violations = self.watch(step);
-        StepTrace { step, lives, events: self.collect_events(), passages, arrivals, violations }
+        let violations = self.watch(step, &flown);
+        Ok(StepTrace::new(step, lives, flown, violations))
     }
 
-    /// Ends and begins the lives of agents by the schedule of crashes, at the steps that follow.
+    /// Ends and begins the lives of agents: by the schedule of crashes, and as their processes come
+    /// and go.
     fn crash_and_restart(&mut self, now: SimTime) -> Vec<(AgentId, LifeEvent)> {
         let step = self.world.step();
-        let mut lives = Vec::new();
-        for (index, seat) in self.seats.iter_mut().enumerate() {
+        let mut events = Vec::new();
+        let attendance = self.fleet.attendance();
+        for (index, (life, process)) in self.lives.iter_mut().zip(attendance).enumerate() {
             let id = AgentId(index as u16);
-            let is_down = self.crashes.iter().any(|crash| crash.agent == id.0 && is_on(crash, now));
-            match (seat.is_alive(), is_down) {
-                (true, true) => {
-                    let incarnation = seat.incarnation();
-                    seat.crash();
-                    lives.push((id, LifeEvent::Crashed { step, incarnation }));
-                }
-                (false, false) => {
-                    seat.restart(|incarnation| self.mission.agent(id, incarnation));
-                    let incarnation = seat.incarnation();
-                    lives.push((id, LifeEvent::Restarted { step, incarnation }));
-                }
-                (true, false) | (false, true) => {}
+            let is_scheduled = self.crashes.iter().any(|c| c.agent == id.0 && is_on(c, now));
+            let is_another = life.process.is_some() && process != life.process;
+            if life.is_alive && (is_scheduled || process.is_none() || is_another) {
+                life.is_alive = false;
+                self.ended.add(&std::mem::take(&mut self.tallies[index]));
+                events.push((id, LifeEvent::Crashed { step, incarnation: life.incarnation }));
             }
+            if !life.is_alive && !is_scheduled && process.is_some() {
+                life.is_alive = true;
+                life.incarnation.0 += 1;
+                events.push((id, LifeEvent::Restarted { step, incarnation: life.incarnation }));
+            }
+            life.process = process.or(life.process);
         }
-        lives
-    }
-
-    /// Renders every frame and hands it to its agent.
-    fn look(&mut self, now: SimTime) {
-        let scene: Scene = self.world.scene();
-        let (poses, step, seed) = (self.world.poses(), self.world.step(), self.seed);
-        let seats = self.seats.par_iter_mut().zip(&poses).enumerate();
-        seats.filter(|(_, (seat, _))| seat.is_alive()).for_each(|(index, (seat, pose))| {
-            let id = AgentId(index as u16);
-            seat.look(now, |renderer| renderer.frame(&scene, pose, step, seed, id));
-        });
-    }
-
-    /// Lets messages and timeouts take their turns until nothing is left before `next`.
-    fn settle(&mut self, now: SimTime, next: SimTime) -> Settled {
-        let mut settled = Settled::default();
-        let mut now = now;
-        loop {
-            self.send_all(now, &mut settled.passages);
-            let timeouts = self.seats.iter().filter_map(|seat| seat.poll_timeout());
-            let Some(due) = timeouts.chain(self.links.next_arrival()).min() else { break };
-            if due >= next {
-                break;
-            }
-            now = now.max(due);
-            while let Some(arrival) = self.links.receive(now) {
-                self.seats[usize::from(arrival.dst.0)].receive(arrival.bytes.clone());
-                settled.arrivals.push(arrival);
-            }
-            self.seats.par_iter_mut().for_each(|seat| seat.run(now));
-        }
-        settled
-    }
-
-    /// Hands everything the agents want to say to the links.
-    fn send_all(&mut self, now: SimTime, passages: &mut Vec<Passage>) {
-        let positions: Vec<[f64; 3]> = self.world.poses().iter().map(|pose| pose.p_world).collect();
-        for src in 0..self.seats.len() {
-            self.seats[src].poll();
-            for transmit in std::mem::take(&mut self.seats[src].outbox) {
-                self.seats[src].bytes_sent += transmit.bytes.len() as u64;
-                let bytes: Arc<[u8]> = transmit.bytes.into();
-                for dst in (0..positions.len()).filter(|&dst| dst != src) {
-                    let sent = Sent {
-                        src: AgentId(src as u16),
-                        dst: AgentId(dst as u16),
-                        incarnation: self.seats[src].incarnation(),
-                        channel: transmit.channel,
-                        sequence: transmit.sequence,
-                        time: now,
-                        bytes: bytes.len(),
-                        src_p_world: positions[src],
-                        dst_p_world: positions[dst],
-                    };
-                    let fate = self.links.send(&sent, bytes.clone());
-                    passages.push(Passage { sent, bytes: bytes.clone(), fate });
-                }
-            }
-        }
+        events
     }
 
     /// Passes the agents' commands to their vehicles; they take effect from this step on.
-    fn obey(&mut self) {
-        for (index, seat) in self.seats.iter_mut().enumerate() {
-            for command in seat.commands.drain(..) {
-                if let Err(error) = self.world.command(AgentId(index as u16), command) {
+    fn obey(&mut self, flown: &mut [Flown<M>]) {
+        for flown in flown {
+            for command in flown.commands.drain(..) {
+                if let Err(error) = self.world.command(flown.agent, command) {
                     tracing::error!(%error, "command refused");
                 }
             }
         }
     }
 
-    fn watch(&mut self, step: Step) -> Vec<Violation> {
-        struct Asked<'a, M: Mission>(&'a M, &'a Seat<M::Agent>);
-        impl<M: Mission> Knowledge for Asked<'_, M> {
+    /// Asks the monitor about the world and about what each agent told; who does not run claims
+    /// nothing.
+    fn watch(&mut self, step: Step, flown: &[Flown<M>]) -> Vec<Violation> {
+        struct Told<'a, M: Mission>(&'a M, &'a M::Report);
+        impl<M: Mission> Knowledge for Told<'_, M> {
             fn admits(&self, target: TargetId, location: [f64; 2], tolerance_m: f64) -> bool {
-                // Who does not run claims nothing.
-                !self.1.is_alive() || self.0.admits(&self.1.agent, target, location, tolerance_m)
+                self.0.admits(self.1, target, location, tolerance_m)
             }
         }
-        let asked: Vec<Asked<'_, M>> =
-            self.seats.iter().map(|seat| Asked(&self.mission, seat)).collect();
-        let agents: Vec<&dyn Knowledge> = asked.iter().map(|a| a as &dyn Knowledge).collect();
-        let mut found = self.monitor.check(step, &agents, self.world.targets());
-        let counters = self.links.counters();
+        let targets = self.world.targets();
+        let mut found = self.monitor.check(step, &[], targets);
+        self.truths.push_back((step, targets.to_vec()));
+        if self.truths.len() > MAX_TRUTHS {
+            self.truths.pop_front();
+        }
+        for flown in flown {
+            let Some(report) = &flown.report else { continue };
+            // In real time a report may be of an earlier step.
+            let known = self.mission.step(report);
+            let Some((_, targets)) = self.truths.iter().find(|(step, _)| *step == known) else {
+                tracing::warn!(agent = %flown.agent, %known, %step, "a report too late to check");
+                continue;
+            };
+            let told = Told(&self.mission, report);
+            found.extend(self.monitor.check_agent(known, flown.agent, &told, targets));
+        }
+        let counters = self.fleet.counters();
         let counts = MessageCounts {
             sent: counters.sent,
             duplicated: counters.duplicated,
@@ -297,12 +333,5 @@ impl<M: Mission> Engine<M> {
         };
         found.extend(self.monitor.check_messages(step, counts));
         found
-    }
-
-    fn collect_events(&mut self) -> Vec<(AgentId, <M::Agent as Agent>::Event)> {
-        let by_agent = self.seats.iter_mut().enumerate();
-        by_agent
-            .flat_map(|(i, seat)| seat.events.drain(..).map(move |e| (AgentId(i as u16), e)))
-            .collect()
     }
 }

@@ -6,8 +6,9 @@
 //! | [`cli`] | the command line |
 //! | [`plug`] | what a mission is |
 //! | [`set_membership`] | the set-membership mission |
-//! | [`engine`] | one process, virtual time: world, agents and links, step by step |
-//! | [`seat`] | one agent and what surrounds it, its lives and deaths |
+//! | [`engine`] | a mission step by step: the world, its fleet and the monitor |
+//! | [`fleet`] | where the agents are: in this process, or each in one of its own |
+//! | [`seat`] | one agent and what surrounds it |
 //! | [`mission`] | flies, measures and records a mission |
 //! | [`passages`] | what the links did, written down |
 //! | [`metrics`] | one agent at one step: thesis (5.36)-(5.45) |
@@ -20,17 +21,22 @@
 //! | [`view`] | the end of a mission, to be drawn |
 //! | [`plot`] | `map.svg` and `metrics.svg` |
 //! | [`progress`], [`logs`] | what shows while it flies |
+//! | [`watch`] | a live map in the browser |
+//! | [`process`] | a fleet of processes: world, agents, and what spawns them |
+//! | [`wire`] | Zenoh: how a process reaches the others |
 //! | [`verdict`] | exit codes |
 //! | [`timing`], [`stages`] | the only clock |
 
 pub mod cli;
 pub mod engine;
+pub mod fleet;
 pub mod logs;
 pub mod metrics;
 pub mod mission;
 pub mod passages;
 pub mod plot;
 pub mod plug;
+pub mod process;
 pub mod progress;
 pub mod provenance;
 pub mod record;
@@ -47,3 +53,5 @@ mod testing;
 pub mod timing;
 pub mod verdict;
 pub mod view;
+pub mod watch;
+pub mod wire;

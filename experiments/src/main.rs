@@ -14,8 +14,12 @@ fn main() -> ExitCode {
     let logs = Logs::install();
     let result = match &cli.command {
         Command::Run(arguments) => commands::run(arguments, &logs),
+        Command::Spawn(arguments) => commands::spawn(arguments),
+        Command::World(arguments) => commands::world(arguments, &logs),
+        Command::Agent(arguments) => commands::agent(arguments),
         Command::Check(arguments) => commands::check(arguments),
         Command::Sweep(arguments) => commands::sweep(arguments),
+        Command::Watch(arguments) => commands::watch(arguments),
         Command::Plot { dir } => commands::plot(dir),
     };
     match result {

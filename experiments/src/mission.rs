@@ -1,25 +1,26 @@
-//! One mission in one process, in virtual time: the engine steps, this loop measures and records.
+//! One mission from start to end: the engine steps, this loop measures and records.
 
 use std::collections::BTreeSet;
+use std::convert::Infallible;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use csat_netem::config::TraceLevel;
 use csat_netem::counters::Counters;
-use csat_proto::agent::Agent;
 use csat_proto::ids::{AgentId, TargetId};
+use csat_proto::time::Step;
 use csat_world::truth::Fault;
 use csat_world::world::World;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::engine::{Engine, LifeEvent, StepTrace};
+use crate::engine::{Engine, StepTrace};
+use crate::fleet::{Fleet, Flown};
 use crate::metrics::{Coverage, StepRecord, targets_in_fov};
 use crate::passages::{LinkRow, passage_lines};
-use crate::plug::{Mission, Tally, Watched};
+use crate::plug::{Detail, Mission, Tally};
 use crate::record::{Outcome, RecordError, Recorder};
-use crate::scenario::Loaded;
-use crate::seat::Seat;
+use crate::scenario::{Loaded, Scenario};
 use crate::set_membership::SetMembership;
 use crate::summary::Messages;
 use crate::view::{Building, UavTrack, View};
@@ -34,7 +35,55 @@ pub struct RunOptions {
     pub interrupted: Arc<AtomicBool>,
 }
 
-/// Flies the mission of a scenario and records its steps and events.
+/// Why a mission could not be flown to its end.
+#[derive(Debug, thiserror::Error)]
+pub enum FlightError<E> {
+    /// It could not be written down.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// Its agents could not be reached.
+    #[error("{0}")]
+    Fleet(E),
+}
+
+/// One step, for whoever looks on.
+pub struct Moment<'a, M: Mission> {
+    /// Simulated time, seconds.
+    pub time_s: f64,
+    /// The truth.
+    pub world: &'a World,
+    /// What happened.
+    pub trace: &'a StepTrace<M>,
+    /// A row per agent that runs.
+    pub rows: &'a [StepRecord],
+    /// What the monitor found since the start.
+    pub violations: u64,
+}
+
+/// Whoever looks on while a mission is flown: recordings, live pictures.
+pub trait Audience<M: Mission> {
+    /// How much the agents are to tell of the step that is about to begin.
+    fn wants(&mut self, step: Step) -> Detail;
+
+    /// A step was flown.
+    ///
+    /// # Errors
+    /// When it cannot be written down; the mission ends.
+    fn see(&mut self, moment: &Moment<'_, M>) -> Result<(), RecordError>;
+}
+
+/// Nobody looks on.
+impl<M: Mission> Audience<M> for () {
+    fn wants(&mut self, _: Step) -> Detail {
+        Detail::Brief
+    }
+
+    fn see(&mut self, _: &Moment<'_, M>) -> Result<(), RecordError> {
+        Ok(())
+    }
+}
+
+/// Flies the mission of a scenario in this process and records its steps and events.
 ///
 /// # Errors
 /// When a step or an event cannot be written down.
@@ -42,31 +91,45 @@ pub fn run(
     loaded: Loaded,
     options: &RunOptions,
     recorder: &mut Recorder,
+    audience: &mut dyn Audience<SetMembership>,
 ) -> Result<Outcome, RecordError> {
     let Loaded { name, scenario, world, .. } = loaded;
     let mission = SetMembership::new(&scenario);
-    let view = View {
-        scenario: name,
-        seed: scenario.seed,
-        size_m: scenario.map.size_m,
-        ..still_view(&world)
-    };
+    let view = still_view(&name, &scenario, &world);
     let engine = Engine::new(mission.clone(), world, &scenario.netem, scenario.seed);
-    let coverage = Coverage::new(scenario.ground(), COVERAGE_CELL_M);
-    let trace = scenario.netem.trace;
-    let tally = Tally::default();
-    Flight { mission, engine, coverage, view, trace, tally, inconsistencies: 0 }.fly(
-        scenario.steps(),
-        scenario.run.period_s,
-        options,
-        recorder,
-    )
+    let flight = Flight::new(mission, engine, &scenario, view);
+    flight.fly(options, recorder, audience).map_err(|error: FlightError<Infallible>| match error {
+        FlightError::Record(error) => error,
+        FlightError::Fleet(never) => match never {},
+    })
+}
+
+/// Flies the mission of a scenario with agents in other processes.
+///
+/// # Errors
+/// When a step or an event cannot be written down, or agents cannot be reached.
+pub fn run_fleet<F: Fleet<SetMembership>>(
+    loaded: Loaded,
+    fleet: F,
+    options: &RunOptions,
+    recorder: &mut Recorder,
+    audience: &mut dyn Audience<SetMembership>,
+) -> Result<Outcome, FlightError<F::Error>> {
+    let Loaded { name, scenario, world, .. } = loaded;
+    let mission = SetMembership::new(&scenario);
+    let view = still_view(&name, &scenario, &world);
+    let (netem, seed) = (&scenario.netem, scenario.seed);
+    let engine = Engine::with_fleet(mission.clone(), world, fleet, netem, seed);
+    Flight::new(mission, engine, &scenario, view).fly(options, recorder, audience)
 }
 
 /// The part of the picture that does not move.
-fn still_view(world: &World) -> View {
+fn still_view(name: &str, scenario: &Scenario, world: &World) -> View {
     let buildings = world.obstacles().iter();
     View {
+        scenario: name.to_owned(),
+        seed: scenario.seed,
+        size_m: scenario.map.size_m,
         obstacles: buildings
             .map(|o| Building { rings: o.rings().collect(), height_m: o.height_m })
             .collect(),
@@ -79,15 +142,15 @@ fn still_view(world: &World) -> View {
 }
 
 /// A mission under way.
-struct Flight<M: Mission> {
+struct Flight<M: Mission, F> {
     mission: M,
-    engine: Engine<M>,
+    engine: Engine<M, F>,
+    steps: u32,
+    period_s: f64,
     coverage: Coverage,
     view: View,
     /// What is written down of the links.
     trace: TraceLevel,
-    /// What lives that are over did not believe and did not say.
-    tally: Tally,
     inconsistencies: u64,
 }
 
@@ -108,34 +171,51 @@ struct ViolationLine<'a> {
     fault: &'a Fault,
 }
 
-impl<M: Mission> Flight<M> {
-    /// Flies steps 0 to `steps`.
+impl<M: Mission, F: Fleet<M>> Flight<M, F> {
+    fn new(mission: M, engine: Engine<M, F>, scenario: &Scenario, view: View) -> Self {
+        Self {
+            mission,
+            engine,
+            steps: scenario.steps(),
+            period_s: scenario.run.period_s,
+            coverage: Coverage::new(scenario.ground(), COVERAGE_CELL_M),
+            view,
+            trace: scenario.netem.trace,
+            inconsistencies: 0,
+        }
+    }
+
+    /// Flies all steps, from 0 on.
     fn fly(
         mut self,
-        steps: u32,
-        period_s: f64,
         options: &RunOptions,
         recorder: &mut Recorder,
-    ) -> Result<Outcome, RecordError> {
+        audience: &mut dyn Audience<M>,
+    ) -> Result<Outcome, FlightError<F::Error>> {
         let mut flown = 0;
-        for step in 0..=steps {
-            let trace = self.engine.step();
+        for step in 0..=self.steps {
+            let detail = audience.wants(Step(step));
+            let trace = self.engine.try_step(detail).map_err(FlightError::Fleet)?;
             self.record_events(&trace, recorder)?;
-            let rows = self.measure(&trace, f64::from(step) * period_s);
-            recorder.step(&rows, self.engine.monitor().counts().total())?;
+            let time_s = f64::from(step) * self.period_s;
+            let rows = self.measure(&trace, time_s);
+            let violations = self.engine.monitor().counts().total();
+            recorder.step(&rows, violations)?;
             self.draw_tracks();
+            let world = self.engine.world();
+            audience.see(&Moment { time_s, world, trace: &trace, rows: &rows, violations })?;
             flown = step;
             if options.interrupted.load(Ordering::SeqCst) {
                 break;
             }
         }
-        let interrupted = flown < steps;
-        Ok(self.outcome(flown, f64::from(flown) * period_s, interrupted))
+        let interrupted = flown < self.steps;
+        Ok(self.outcome(flown, interrupted))
     }
 
     fn record_events(
         &mut self,
-        trace: &StepTrace<<M::Agent as Agent>::Event>,
+        trace: &StepTrace<M>,
         recorder: &mut Recorder,
     ) -> Result<(), RecordError> {
         let step = trace.step.0;
@@ -144,10 +224,6 @@ impl<M: Mission> Flight<M> {
             recorder.event(&AgentLine { agent: *agent, event })?;
         }
         for (agent, event) in &trace.lives {
-            if let LifeEvent::Crashed { .. } = event {
-                let seat = &self.engine.seats()[usize::from(agent.0)];
-                self.tally.add(&self.mission.tally(&seat.agent));
-            }
             recorder.event(&AgentLine { agent: *agent, event })?;
         }
         for line in passage_lines(step, &trace.passages, self.trace) {
@@ -161,74 +237,63 @@ impl<M: Mission> Flight<M> {
     }
 
     /// One row per agent that runs.
-    fn measure(
-        &mut self,
-        trace: &StepTrace<<M::Agent as Agent>::Event>,
-        time_s: f64,
-    ) -> Vec<StepRecord> {
+    fn measure(&mut self, trace: &StepTrace<M>, time_s: f64) -> Vec<StepRecord> {
         let truth: Vec<[f64; 2]> =
             self.engine.world().targets().iter().map(|t| t.location).collect();
-        let fleet = self.measure_fleet(&truth);
-        let mut broken = vec![0; self.engine.seats().len()];
-        for violation in &trace.violations {
-            if let Fault::Guarantee { agent, .. } = violation.fault {
-                broken[usize::from(agent.0)] += 1;
-            }
-        }
+        let fleet = self.measure_fleet(&trace.flown, &truth);
         let poses = self.engine.world().poses();
+        let broken = |id: AgentId| {
+            let faults = trace.violations.iter().map(|violation| &violation.fault);
+            faults.filter(|f| matches!(f, Fault::Guarantee { agent, .. } if *agent == id)).count()
+        };
         let (mission, step) = (&self.mission, trace.step.0);
-        let seats = self.engine.seats_mut().par_iter_mut();
-        seats
-            .zip(&poses)
-            .zip(&broken)
-            .enumerate()
-            .filter(|(_, ((seat, _), _))| seat.is_alive())
-            .map(|(index, ((seat, pose), &violations))| {
-                let [x_m, y_m, z_m] = pose.p_world;
-                let mut row = StepRecord {
-                    step,
-                    time_s,
-                    agent: index as u16,
-                    x_m,
-                    y_m,
-                    z_m,
-                    yaw_rad: pose.yaw_rad,
-                    bytes_sent: seat.bytes_sent,
-                    violations,
-                    times: seat.times,
-                    ..fleet
-                };
-                mission.measure(&mut seat.agent, &truth, &mut row);
-                row
-            })
-            .collect()
+        let row = |flown: &Flown<M>| {
+            let report = flown.report.as_ref()?;
+            let pose = &poses[usize::from(flown.agent.0)];
+            let [x_m, y_m, z_m] = pose.p_world;
+            let mut row = StepRecord {
+                step,
+                time_s,
+                agent: flown.agent.0,
+                x_m,
+                y_m,
+                z_m,
+                yaw_rad: pose.yaw_rad,
+                bytes_sent: flown.bytes_sent,
+                violations: broken(flown.agent) as u32,
+                times: flown.times,
+                ..fleet
+            };
+            mission.measure(report, &truth, &mut row);
+            Some(row)
+        };
+        trace.flown.par_iter().filter_map(row).collect()
     }
 
     /// What is the same in every row of a step.
-    fn measure_fleet(&mut self, truth: &[[f64; 2]]) -> StepRecord {
-        let watched: Vec<_> = self.engine.seats().iter().map(|seat| self.watched(seat)).collect();
+    fn measure_fleet(&mut self, flown: &[Flown<M>], truth: &[[f64; 2]]) -> StepRecord {
         let mut fleet = StepRecord::default();
         let (mut identified, mut detected) =
             (BTreeSet::<TargetId>::new(), BTreeSet::<TargetId>::new());
-        for (uav, w) in self.view.uavs.iter_mut().zip(&watched) {
-            identified.extend(&w.identified);
-            detected.extend(&w.detected);
-            if let Some(clear_ground) = w.clear_ground {
-                self.coverage.add(&w.footprint, clear_ground);
+        let mut footprints = Vec::new();
+        self.view.uavs.iter_mut().for_each(|uav| uav.footprint.clear());
+        for flown in flown {
+            let Some(report) = &flown.report else { continue };
+            let watched = self.mission.watched(report);
+            identified.extend(&watched.identified);
+            detected.extend(&watched.detected);
+            if let Some(clear_ground) = watched.clear_ground {
+                self.coverage.add(&watched.footprint, clear_ground);
             }
-            uav.footprint.clone_from(&w.footprint);
+            let uav = &mut self.view.uavs[usize::from(flown.agent.0)];
+            uav.footprint.clone_from(&watched.footprint);
+            footprints.push(watched.footprint);
         }
         fleet.identified_union = identified.len() as u16;
         fleet.targets_detected = detected.len() as u16;
-        let footprints: Vec<_> = watched.into_iter().map(|w| w.footprint).collect();
         fleet.targets_in_fov = targets_in_fov(&footprints, truth);
         fleet.set_coverage(self.coverage.finish_step());
         fleet
-    }
-
-    /// What an agent watches; nothing when it does not run.
-    fn watched<'a>(&self, seat: &'a Seat<M::Agent>) -> Watched<'a> {
-        if seat.is_alive() { self.mission.watched(&seat.agent) } else { Watched::default() }
     }
 
     fn draw_tracks(&mut self) {
@@ -242,22 +307,23 @@ impl<M: Mission> Flight<M> {
         }
     }
 
-    fn outcome(mut self, steps: u32, sim_s: f64, interrupted: bool) -> Outcome {
-        let seats = self.engine.seats();
+    fn outcome(mut self, steps: u32, interrupted: bool) -> Outcome {
+        let sim_s = f64::from(steps) * self.period_s;
         self.view.time_s = sim_s;
-        self.view.agents = seats.iter().map(|seat| self.mission.view(&seat.agent)).collect();
-        let mut tally = self.tally;
-        let alive = seats.iter().filter(|seat| seat.is_alive());
-        alive.for_each(|seat| tally.add(&self.mission.tally(&seat.agent)));
+        let reports = self.engine.show().into_iter();
+        let drawn = reports.map(|report| report.map(|report| self.mission.view(&report)));
+        self.view.agents = drawn.map(Option::unwrap_or_default).collect();
+        let counters = self.engine.counters();
+        let links = self.engine.per_link();
         Outcome {
             steps,
             sim_s,
             interrupted,
             violations: self.engine.monitor().counts().total(),
             inconsistencies: self.inconsistencies,
-            bytes_sent: self.engine.counters().bytes_sent,
-            messages: messages(self.engine.counters(), tally),
-            links: self.engine.links().per_link().map(LinkRow::new).collect(),
+            bytes_sent: counters.bytes_sent,
+            messages: messages(&counters, self.engine.tally()),
+            links: links.iter().map(|(id, counters)| LinkRow::new((*id, counters))).collect(),
             digest: self.engine.digest(),
             view: self.view.rounded(),
         }

@@ -2,22 +2,31 @@
 //! not by name.
 
 use std::collections::BTreeMap;
+use std::fmt::Debug;
 
 use csat_proto::agent::Agent;
 use csat_proto::camera::CameraModel;
 use csat_proto::command::YawCommand;
 use csat_proto::ids::{AgentId, Incarnation, TargetId};
 use csat_proto::region::Region;
-use serde::Serialize;
+use csat_proto::time::Step;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use crate::metrics::StepRecord;
 use crate::view;
 
 /// What distinguishes one kind of mission from another: the agent's mind, what it reports, what the
 /// monitor holds against the truth, and what is measured and drawn.
+///
+/// Agents may live in other processes, so whoever observes them knows their [`Report`](Self::Report)
+/// and nothing else.
 pub trait Mission: Sync {
     /// The agent.
-    type Agent: Agent<Command = YawCommand, Event: Serialize> + Sync;
+    type Agent: Agent<Command = YawCommand, Event: Serialize + DeserializeOwned + Sync> + Sync;
+
+    /// What an agent's observers get to know of it at the end of a step.
+    type Report: Debug + Serialize + DeserializeOwned + Send + Sync;
 
     /// The agent of a UAV at the start of one of its lives.
     fn agent(&self, id: AgentId, incarnation: Incarnation) -> Self::Agent;
@@ -25,34 +34,50 @@ pub trait Mission: Sync {
     /// The camera of every UAV.
     fn camera(&self) -> CameraModel;
 
-    /// The monitor's question: does what `agent` knows admit that `target` is at `location` (`world`,
-    /// metres) or within `tolerance_m` of it?
+    /// What the agent's observers get to know.
+    fn report(&self, agent: &mut Self::Agent, detail: Detail) -> Self::Report;
+
+    /// The step that a report's knowledge is of.
+    fn step(&self, report: &Self::Report) -> Step;
+
+    /// The monitor's question: does what the agent knows admit that `target` is at `location`
+    /// (`world`, metres) or within `tolerance_m` of it?
     fn admits(
         &self,
-        agent: &Self::Agent,
+        report: &Self::Report,
         target: TargetId,
         location: [f64; 2],
         tolerance_m: f64,
     ) -> bool;
 
     /// Fills in an agent's own part of a row of metrics; `truth` holds the targets' locations.
-    fn measure(&self, agent: &mut Self::Agent, truth: &[[f64; 2]], row: &mut StepRecord);
+    fn measure(&self, report: &Self::Report, truth: &[[f64; 2]], row: &mut StepRecord);
 
     /// What the agent watches at this step, for (5.40)-(5.42) and figure 5.9.
-    fn watched<'a>(&self, agent: &'a Self::Agent) -> Watched<'a>;
+    fn watched<'a>(&self, report: &'a Self::Report) -> Watched<'a>;
 
     /// What the agent knows, to be drawn.
-    fn view(&self, agent: &Self::Agent) -> view::Knowledge;
+    fn view(&self, report: &Self::Report) -> view::Knowledge;
 
-    /// What an agent did not believe and did not say in its life so far.
-    fn tally(&self, agent: &Self::Agent) -> Tally;
+    /// What the agent did not believe and did not say in its life so far.
+    fn tally<'a>(&self, report: &'a Self::Report) -> &'a Tally;
 
     /// Whether an event says that an assumption failed.
     fn is_inconsistency(&self, event: &<Self::Agent as Agent>::Event) -> bool;
 }
 
+/// How much an agent tells its observers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Detail {
+    /// What the monitor and the metrics need.
+    #[default]
+    Brief,
+    /// Its maps, too: all that can be drawn.
+    Full,
+}
+
 /// What an agent did not believe and did not say.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Tally {
     /// Messages it dropped as invalid, by reason.
     pub rejected: BTreeMap<String, u64>,

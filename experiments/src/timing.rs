@@ -1,6 +1,6 @@
 //! The only clock of the project: how long the computer takes, never what happens.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
@@ -27,10 +27,15 @@ impl Stopwatch {
     pub fn elapsed_s(&self) -> f64 {
         self.0.elapsed().as_secs_f64()
     }
+
+    /// The time left until `limit` after the start; zero when that is over.
+    pub fn left(&self, limit: Duration) -> Duration {
+        limit.saturating_sub(self.0.elapsed())
+    }
 }
 
 /// What the stages of one agent-step took, milliseconds. `None`: the stage did not run.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct StageTimes {
     /// Rendering the frame: the world's cost.
     pub render: Option<f64>,

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::fate::{Fate, Reason};
 
 /// What all links did so far. Always: sent + duplicated = delivered + dropped + in flight.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Counters {
     /// Messages handed over, one per receiver.
     pub sent: u64,
@@ -26,7 +26,7 @@ pub struct Counters {
 }
 
 /// What one link did so far, with the same equation.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LinkCounters {
     /// Messages handed over.
     pub sent: u64,
@@ -53,6 +53,19 @@ impl Counters {
     pub fn conserved(&self) -> bool {
         let dropped: u64 = self.dropped.values().sum();
         self.sent + self.duplicated == self.delivered + dropped + self.in_flight
+    }
+
+    /// Adds what other links did. Bytes of a broadcast that both sides heard count twice.
+    pub fn add(&mut self, other: &Counters) {
+        self.sent += other.sent;
+        self.delivered += other.delivered;
+        self.duplicated += other.duplicated;
+        self.corrupted += other.corrupted;
+        for (reason, count) in &other.dropped {
+            *self.dropped.entry(*reason).or_default() += count;
+        }
+        self.in_flight += other.in_flight;
+        self.bytes_sent += other.bytes_sent;
     }
 
     pub(crate) fn count_sent(&mut self, fate: &Fate) {

@@ -5,7 +5,7 @@ use csat_proto::time::SimTime;
 use serde::{Deserialize, Serialize};
 
 /// A message on its way from one agent to another.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Sent {
     /// The sender.
     pub src: AgentId,
@@ -92,7 +92,7 @@ impl std::fmt::Display for Reason {
 }
 
 /// A copy that arrives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Delivery {
     /// When.
     pub at: SimTime,
@@ -101,7 +101,7 @@ pub struct Delivery {
 }
 
 /// What becomes of a message and of its copy, if there is one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fate {
     /// The message.
     pub first: Result<Delivery, Reason>,

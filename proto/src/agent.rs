@@ -43,6 +43,11 @@ pub trait Agent: Send {
     /// The next message to send.
     fn poll_transmit(&mut self) -> Option<Transmit>;
 
+    /// Everything the agent knows, as a message for one that joins late and asked; `None` while there
+    /// is nothing to tell. It is numbered from [`FIRST_ANSWER`] on, apart from what all others hear,
+    /// and whoever asked lets its links decide whether it hears it.
+    fn answer(&mut self, now: SimTime) -> Option<Transmit>;
+
     /// The next command to the vehicle.
     fn poll_command(&mut self) -> Option<Self::Command>;
 
@@ -55,6 +60,9 @@ pub trait Agent: Send {
     /// A hash of everything the agent knows: equal digests mean equal states.
     fn digest(&self) -> u64;
 }
+
+/// The sequence number of the first answer of a life.
+pub const FIRST_ANSWER: u64 = 1 << 63;
 
 /// The largest message that is decoded, in bytes.
 pub const MAX_MESSAGE_BYTES: usize = Envelope::HEADER_BYTES_MAX + (4 << 20);

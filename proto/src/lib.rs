@@ -8,6 +8,9 @@
 //! | [`camera`] | the pinhole camera: rays, projection, image-to-ground homography |
 //! | [`command`] | what agents tell their vehicles |
 //! | [`frame`] | what a camera and its computer-vision system report |
+//! | [`frame_wire`] | its pixels on their way to an agent's process |
+//! | [`control`] | what a world and the processes of its agents say to each other |
+//! | [`keys`] | where in Zenoh's space of names what is said |
 //! | [`region`] | planar sets on an integer grid |
 //! | [`raster`] | coarse planar sets as bit rows, for what needs no guarantee |
 //! | [`oem`] | cells of the occupancy-elevation map |
@@ -20,9 +23,12 @@
 pub mod agent;
 pub mod camera;
 pub mod command;
+pub mod control;
 pub mod envelope;
 pub mod frame;
+pub mod frame_wire;
 pub mod ids;
+pub mod keys;
 pub mod message;
 pub mod model;
 pub mod oem;

@@ -202,6 +202,25 @@ impl Monitor {
         self.record(step, faults)
     }
 
+    /// Checks what one agent knew at step k, when targets were where `targets` says: for reports that
+    /// come late, after [`Self::check`] has checked that step without them.
+    pub fn check_agent(
+        &mut self,
+        step: Step,
+        agent: AgentId,
+        knowledge: &dyn Knowledge,
+        targets: &[TargetTruth],
+    ) -> Vec<Violation> {
+        let admits = |target: &&TargetTruth| {
+            knowledge.admits(target.id, target.location, GUARANTEE_TOLERANCE_M)
+        };
+        let faults = targets
+            .iter()
+            .filter(|target| !admits(target))
+            .map(|target| Fault::Guarantee { agent, target: target.id, location: target.location });
+        self.record(step, faults.collect())
+    }
+
     /// Checks that no message appeared or disappeared.
     pub fn check_messages(&mut self, step: Step, counts: MessageCounts) -> Option<Violation> {
         let faults = if counts.conserved() {

@@ -2,12 +2,14 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use csat_proto::agent::Transmit;
+use csat_proto::agent::{FIRST_ANSWER, Transmit};
 use csat_proto::camera::Pose;
 use csat_proto::envelope::Envelope;
 use csat_proto::ids::{ChannelId, Incarnation};
-use csat_proto::message::{Digest, Fact, Known, Message, Plan, Snapshot, TargetFact};
+use csat_proto::message::{Digest, Fact, HeldFacts, Known, Message, Plan, Snapshot, TargetFact};
 use csat_proto::oem::{OemCell, OemDelta, OemPatch};
+use csat_proto::raster::Raster;
+use csat_proto::region::Region;
 use csat_proto::time::{SimTime, Step};
 
 use super::budget::{Shortener, fit};
@@ -49,6 +51,7 @@ pub struct Outbox {
     config: AgentConfig,
     sequences: BTreeMap<ChannelId, u64>,
     facts_said: u32,
+    answers: u64,
     next_snapshot: Step,
     /// Bytes that may be said now; plans are said anyway and may make it negative.
     credit: f64,
@@ -63,6 +66,7 @@ impl Outbox {
             config: config.clone(),
             sequences: BTreeMap::new(),
             facts_said: 0,
+            answers: 0,
             // Agents take turns, so that not all snapshots fall into the same step.
             next_snapshot: Step(u32::from(config.id.0) + 1),
             credit: 0.0,
@@ -125,6 +129,36 @@ impl Outbox {
         said
     }
 
+    /// All that is known, for one that joins late. The frame is told as part of what is known: as a
+    /// fact of its own it proves nothing more. `None` before the first fact was said.
+    pub fn answer(
+        &mut self,
+        now: SimTime,
+        pose: Pose,
+        knowledge: &Knowledge,
+        held: Vec<HeldFacts>,
+        hidden: Raster,
+    ) -> Option<Transmit> {
+        let step = knowledge.step;
+        let fact = Fact {
+            step,
+            number: self.facts_said.checked_sub(1)?,
+            held: Digest { facts: held, oem: Vec::new() },
+            clear_ground: Region::EMPTY,
+            obstacle_margin: Region::EMPTY,
+            targets: Vec::new(),
+            seen: Raster::empty(*hidden.grid()),
+            hidden,
+            oem: OemPatch::of(knowledge.oem.known()),
+        };
+        let body = encode(&Message::Snapshot(Box::new(Snapshot { fact, known: known(knowledge) })));
+        let channel = self.config.channels.snapshots;
+        let sequence = FIRST_ANSWER + self.answers;
+        self.answers += 1;
+        let bytes = self.envelope(channel, sequence, now, step, pose, body).encode();
+        Some(Transmit { channel, sequence, bytes })
+    }
+
     /// Announces a flight plan.
     pub fn say_plan(&mut self, now: SimTime, pose: Pose, plan: Plan) {
         let step = plan.step;
@@ -174,13 +208,7 @@ impl Outbox {
 
     fn say_snapshot(&mut self, account: &Account<'_>, fact: &Fact) -> bool {
         let knowledge = account.knowledge;
-        let targets = knowledge.targets.iter().map(|(&j, set)| (j, set.region().clone()));
-        let known = Known {
-            step: knowledge.step,
-            targets: targets.collect(),
-            unexplored: knowledge.unexplored.region().clone(),
-            obstacle_margin: knowledge.margin.region().clone(),
-        };
+        let known = known(knowledge);
         let body = fit(self.credit, |level| {
             let short = Shortener::new(level, &account.uavs, knowledge.ground());
             let (fact, known) = (short.fact(fact), short.known(&known));
@@ -206,7 +234,21 @@ impl Outbox {
         let next = self.sequences.entry(channel).or_default();
         let sequence = *next;
         *next += 1;
-        let envelope = Envelope {
+        let bytes = self.envelope(channel, sequence, time, step, pose, body).encode();
+        self.credit -= bytes.len() as f64;
+        self.queue.push_back(Transmit { channel, sequence, bytes });
+    }
+
+    fn envelope(
+        &self,
+        channel: ChannelId,
+        sequence: u64,
+        time: SimTime,
+        step: Step,
+        pose: Pose,
+        body: Vec<u8>,
+    ) -> Envelope {
+        Envelope {
             run: self.config.run,
             src: self.config.id,
             incarnation: match is_on(Mutant::SequenceReused) {
@@ -219,14 +261,21 @@ impl Outbox {
             time,
             pose,
             body,
-        };
-        let bytes = envelope.encode();
-        self.credit -= bytes.len() as f64;
-        self.queue.push_back(Transmit { channel, sequence, bytes });
+        }
     }
 
     fn in_steps(&self, now: Step, seconds: f64) -> Step {
         Step(now.0 + (seconds / self.config.period_s).round().max(1.0) as u32)
+    }
+}
+
+fn known(knowledge: &Knowledge) -> Known {
+    let targets = knowledge.targets.iter().map(|(&j, set)| (j, set.region().clone()));
+    Known {
+        step: knowledge.step,
+        targets: targets.collect(),
+        unexplored: knowledge.unexplored.region().clone(),
+        obstacle_margin: knowledge.margin.region().clone(),
     }
 }
 

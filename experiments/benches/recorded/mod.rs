@@ -221,7 +221,7 @@ fn load(sets: &[String]) -> Loaded {
 
 /// Flies, measures and records a whole mission, pictures included.
 pub fn whole_mission((loaded, mut recorder): (Loaded, Recorder)) {
-    let outcome = mission::run(loaded, &RunOptions::default(), &mut recorder);
+    let outcome = mission::run(loaded, &RunOptions::default(), &mut recorder, &mut ());
     recorder.finish(outcome.expect("a mission flies")).expect("a run folder");
 }
 

@@ -1,6 +1,8 @@
 //! What the commands of `csat` do, with their exit codes.
 
+mod fleet;
 mod sweep;
+mod watch;
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -14,12 +16,14 @@ use csat_experiments::cli::{RunArguments, ScenarioArguments};
 use csat_experiments::logs::Logs;
 use csat_experiments::mission::{self, RunOptions};
 use csat_experiments::plot;
-use csat_experiments::record::{Finished, RecordError, RecordOptions, Recorder};
+use csat_experiments::record::{Finished, Outcome, RecordError, RecordOptions, Recorder};
 use csat_experiments::run_folder::{Destination, FolderError};
 use csat_experiments::scenario::{self, Loaded, Mistakes, Request};
 use csat_experiments::verdict::{BAD_INPUT, DONE, verdict};
 
+pub use fleet::{agent, spawn, world};
 pub use sweep::sweep;
+pub use watch::watch;
 
 fn load(arguments: &ScenarioArguments) -> Result<Loaded, Mistakes> {
     let ScenarioArguments { scenario, sets, seed } = arguments;
@@ -60,6 +64,18 @@ fn warnings(count: usize) -> String {
 
 /// `csat run`.
 pub fn run(arguments: &RunArguments, logs: &Logs) -> anyhow::Result<u8> {
+    let options = RunOptions { interrupted: interrupted_by_the_user()? };
+    record(arguments, logs, |loaded, recorder| {
+        Ok(mission::run(loaded, &options, recorder, &mut ())?)
+    })
+}
+
+/// Loads a scenario, lets `fly` fly it and writes that down.
+fn record(
+    arguments: &RunArguments,
+    logs: &Logs,
+    fly: impl FnOnce(Loaded, &mut Recorder) -> anyhow::Result<Outcome>,
+) -> anyhow::Result<u8> {
     let loaded = match load(&arguments.scenario) {
         Ok(loaded) => loaded,
         Err(mistakes) => {
@@ -75,7 +91,6 @@ pub fn run(arguments: &RunArguments, logs: &Logs) -> anyhow::Result<u8> {
     }
     let destination = destination(arguments.out.as_deref(), &loaded);
     let options = RecordOptions { destination, quiet: arguments.json };
-    let interrupted = interrupted_by_the_user()?;
     let mut recorder = match Recorder::create(&loaded, &options) {
         Ok(recorder) => recorder,
         Err(RecordError::Folder(
@@ -99,8 +114,7 @@ pub fn run(arguments: &RunArguments, logs: &Logs) -> anyhow::Result<u8> {
     for warning in &loaded.warnings {
         tracing::info!("{}", warning.render("warning").trim_end());
     }
-    let finished = mission::run(loaded, &RunOptions { interrupted }, &mut recorder)
-        .map_err(anyhow::Error::from)
+    let finished = fly(loaded, &mut recorder)
         .and_then(|outcome| Ok(recorder.finish(outcome)?))
         .with_context(|| {
             format!(

@@ -72,7 +72,8 @@ impl Hangar<'_> {
         let mut recorder = Recorder::create(&loaded, &RecordOptions { destination, quiet: true })
             .map_err(|e| e.to_string())?;
         let options = RunOptions { interrupted: self.stop.clone() };
-        let outcome = mission::run(loaded, &options, &mut recorder).map_err(|e| e.to_string())?;
+        let outcome =
+            mission::run(loaded, &options, &mut recorder, &mut ()).map_err(|e| e.to_string())?;
         if outcome.interrupted {
             return Ok(None);
         }

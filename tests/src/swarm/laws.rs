@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use csat_agent::agent::Event;
 use csat_experiments::engine::{LifeEvent, StepTrace};
+use csat_experiments::set_membership::SetMembership;
 use csat_netem::link::Arrival;
 use csat_proto::envelope::Envelope;
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
@@ -40,7 +41,7 @@ pub struct Laws {
 }
 
 /// What happened in a step.
-pub type Trace = StepTrace<Event>;
+pub type Trace = StepTrace<SetMembership>;
 
 impl Laws {
     /// Before the first step.

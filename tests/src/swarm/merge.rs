@@ -1,11 +1,11 @@
 //! The laws of merging, on what agents really know and hear: two messages in either order, or twice,
 //! make the same knowledge.
 
-use csat_agent::agent::Event;
 use csat_agent::estimate::Estimator;
 use csat_agent::estimate::evidence::Heard;
 use csat_agent::estimate::state::Knowledge;
 use csat_experiments::engine::StepTrace;
+use csat_experiments::set_membership::SetMembership;
 use csat_proto::envelope::Envelope;
 use csat_proto::message::Message;
 
@@ -17,7 +17,7 @@ const ROUNDING_M2: f64 = 1e-3;
 
 /// Takes one agent in every third step, in turn, and merges the first two things it heard in both
 /// orders, and one of them again. Tells how many pairs were merged.
-pub fn check(engine: &Swarm, trace: &StepTrace<Event>) -> Result<u64, String> {
+pub fn check(engine: &Swarm, trace: &StepTrace<SetMembership>) -> Result<u64, String> {
     if !trace.step.0.is_multiple_of(3) {
         return Ok(0);
     }

@@ -1,0 +1,151 @@
+//! Which processes there are, and whether all of them hear each other.
+//!
+//! A process joins by a query, then declares itself alive and says which others it hears. It takes
+//! part once it and all that take part already hear each other: a subscription that the other side
+//! does not know of yet would lose the first messages without a trace.
+
+use std::collections::BTreeMap;
+
+use csat_proto::control::{Join, PROTOCOL, Ready, Welcome};
+use csat_proto::ids::AgentId;
+
+use super::port::JoinQuery;
+
+/// Which processes there are.
+#[derive(Debug)]
+pub struct Roster {
+    welcome: Welcome,
+    seats: Vec<Place>,
+}
+
+/// An agent's place in the roster.
+#[derive(Debug, Clone, Default)]
+struct Place {
+    /// The process that was welcomed last, until it is gone.
+    process: Option<u64>,
+    /// Whether it takes part.
+    is_admitted: bool,
+    /// Whom it hears, with their processes.
+    heard: BTreeMap<AgentId, u64>,
+}
+
+impl Roster {
+    /// A roster of `count` empty places; whoever joins is told `welcome`.
+    pub fn new(welcome: Welcome, count: usize) -> Self {
+        Self { welcome, seats: vec![Place::default(); count] }
+    }
+
+    /// How many agents there are to be.
+    pub fn count(&self) -> usize {
+        self.seats.len()
+    }
+
+    /// The process that takes part as an agent.
+    pub fn process(&self, agent: AgentId) -> Option<u64> {
+        let seat = self.seats.get(usize::from(agent.0))?;
+        seat.process.filter(|_| seat.is_admitted)
+    }
+
+    /// The agents whose processes take part.
+    pub fn present(&self) -> impl Iterator<Item = AgentId> {
+        let ids = (0..self.seats.len()).map(|index| AgentId(index as u16));
+        ids.filter(|agent| self.process(*agent).is_some())
+    }
+
+    /// The process of each agent that takes part, by index.
+    pub fn attendance(&self) -> Vec<Option<u64>> {
+        self.seats.iter().map(|seat| seat.process.filter(|_| seat.is_admitted)).collect()
+    }
+
+    /// The agents without a process that takes part.
+    pub fn missing(&self) -> Vec<AgentId> {
+        let ids = (0..self.seats.len()).map(|index| AgentId(index as u16));
+        ids.filter(|agent| self.process(*agent).is_none()).collect()
+    }
+
+    /// What is still to happen, for people.
+    pub fn what_is_missing(&self, missing: &[AgentId]) -> String {
+        let has_joined = |agent: &AgentId| self.seats[usize::from(agent.0)].process.is_some();
+        if missing.iter().all(has_joined) {
+            "hear all others: a process may be unable to connect to another".to_owned()
+        } else {
+            "join: `csat agent --id N --connect ENDPOINT` starts one".to_owned()
+        }
+    }
+
+    /// Answers a process that wants to take part.
+    pub fn join(&mut self, query: JoinQuery) {
+        tracing::debug!(join = ?query.join, "wants to take part");
+        match self.judge(&query.join) {
+            Ok(()) => {
+                let place = &mut self.seats[usize::from(query.join.agent.0)];
+                *place = Place { process: Some(query.join.process), ..Place::default() };
+                query.welcome(&self.welcome);
+            }
+            Err(reason) => query.refuse(&reason),
+        }
+    }
+
+    fn judge(&self, join: &Join) -> Result<(), String> {
+        if join.protocol != PROTOCOL {
+            return Err(format!(
+                "{} speaks version {} of the protocol, this world version {PROTOCOL}: use the same \
+                 csat everywhere",
+                join.program, join.protocol
+            ));
+        }
+        let place = self.seats.get(usize::from(join.agent.0)).ok_or_else(|| {
+            format!("there is no UAV {} in a fleet of {}", join.agent, self.seats.len())
+        })?;
+        match place.process {
+            Some(process) if process != join.process => Err(format!(
+                "UAV {} is flown by another process; expected another --id, or that one to end",
+                join.agent
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// A process says whom it hears.
+    pub fn ready(&mut self, agent: AgentId, ready: &Ready) {
+        tracing::debug!(%agent, ?ready, "hears");
+        let place = self.seats.get_mut(usize::from(agent.0));
+        if let Some(place) = place.filter(|place| place.process == Some(ready.process)) {
+            place.heard = ready.heard.iter().copied().collect();
+        }
+    }
+
+    /// A process is gone. Tells whether it took part.
+    pub fn gone(&mut self, agent: AgentId) -> bool {
+        tracing::debug!(%agent, "is gone");
+        let Some(place) = self.seats.get_mut(usize::from(agent.0)) else { return false };
+        std::mem::take(place).is_admitted
+    }
+
+    /// Lets take part whoever hears, and is heard by, all that do.
+    pub fn admit(&mut self) {
+        if self.present().next().is_none() {
+            // At the start all take part at once, or nobody does.
+            let all: Vec<AgentId> = (0..self.seats.len() as u16).map(AgentId).collect();
+            if all.iter().all(|a| all.iter().all(|b| a == b || self.hear_each_other(*a, *b))) {
+                self.seats.iter_mut().for_each(|p| p.is_admitted = p.process.is_some());
+            }
+            return;
+        }
+        for agent in self.missing() {
+            let others: Vec<AgentId> = self.present().collect();
+            if others.iter().all(|other| self.hear_each_other(agent, *other)) {
+                let place = &mut self.seats[usize::from(agent.0)];
+                place.is_admitted = place.process.is_some();
+            }
+        }
+    }
+
+    fn hear_each_other(&self, a: AgentId, b: AgentId) -> bool {
+        let hears = |a: AgentId, b: AgentId| {
+            let process = self.seats[usize::from(b.0)].process;
+            process.is_some() && self.seats[usize::from(a.0)].heard.get(&b).copied() == process
+        };
+        hears(a, b) && hears(b, a)
+    }
+}

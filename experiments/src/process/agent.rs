@@ -1,0 +1,520 @@
+//! The process of one agent: its seat, driven by what comes over Zenoh.
+//!
+//! In lockstep the world announces what everybody said; the process waits until it holds all of it,
+//! lets its links decide, runs the agent and answers. In real time it waits for nobody: frames set
+//! its clock, what comes is heard as it comes, and the agent runs when something is due.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
+use csat_netem::link::Links;
+use csat_proto::control::{
+    Done, FrameHeader, Join, Order, PROTOCOL, Pace, Probe, Ready, SaidSoFar, Welcome,
+};
+use csat_proto::frame::Frame;
+use csat_proto::frame_wire::{self, PixelsError};
+use csat_proto::ids::{AgentId, ChannelId, RunId};
+use csat_proto::keys::Keys;
+use csat_proto::time::{SimTime, Step};
+use csat_world::world::{World, WorldErrors};
+use zenoh::query::Query;
+use zenoh::{Session, Wait};
+
+use super::arguments::AgentArguments;
+use super::desk::{Desk, News};
+use super::ether::{self, Ether};
+use crate::engine;
+use crate::fleet::remote::account::Account;
+use crate::plug::Detail;
+use crate::scenario::Scenario;
+use crate::seat::Seat;
+use crate::set_membership::SetMembership;
+use crate::timing::Stopwatch;
+use crate::wire::session::{self, Role, WireError};
+
+/// How often a process gives signs of life until it flies.
+const PROBE_PERIOD: Duration = Duration::from_millis(50);
+/// How long a world may take to answer a query.
+const ANSWER_LIMIT: Duration = Duration::from_secs(2);
+/// How often the world is asked again.
+const ASK_PERIOD: Duration = Duration::from_millis(200);
+/// In real time: the part of a period for which others' messages are waited for.
+const GRACE_SHARE: f64 = 0.1;
+
+/// Why an agent's process ended before its mission.
+#[derive(Debug, thiserror::Error)]
+pub enum AgentError {
+    /// Its session.
+    #[error(transparent)]
+    Wire(#[from] WireError),
+    /// Something else of Zenoh.
+    #[error("Zenoh: {0}")]
+    Zenoh(String),
+    /// No world.
+    #[error(
+        "waited {limit_s} s for a world to answer on `{key}` at {connect}\n  = expected a `csat \
+         world` or `csat spawn` there; `csat doctor` tells who is"
+    )]
+    NoWorld {
+        /// The key.
+        key: String,
+        /// Where it was connected to.
+        connect: String,
+        /// How long.
+        limit_s: u64,
+    },
+    /// The world does not want it.
+    #[error("the world refuses UAV {agent}: {reason}")]
+    Refused {
+        /// Which UAV.
+        agent: AgentId,
+        /// Its words.
+        reason: String,
+    },
+    /// The world speaks another version.
+    #[error("the world's welcome is not understood ({0}): use the same csat everywhere")]
+    Version(String),
+    /// The world's map, which the links need.
+    #[error("the world's town cannot be built: {0}")]
+    Town(#[from] WorldErrors),
+    /// A frame.
+    #[error("the world's frame of step {step} is not understood: {error}")]
+    Frame {
+        /// k.
+        step: Step,
+        /// What is wrong.
+        error: PixelsError,
+    },
+    /// A message that was announced does not come.
+    #[error(
+        "waited {limit_s} s at step {step} for message {number} of UAV {from} on radio {radio}"
+    )]
+    Silence {
+        /// How long.
+        limit_s: u64,
+        /// k.
+        step: Step,
+        /// Whose.
+        from: AgentId,
+        /// Its radio.
+        radio: ChannelId,
+        /// Its number.
+        number: u64,
+    },
+    /// The world's process ended.
+    #[error("the world ended without a word; the mission is over for UAV {0}")]
+    WorldGone(AgentId),
+    /// The user, or whoever spawned it.
+    #[error("ended by {0}")]
+    Ended(&'static str),
+}
+
+fn zenoh_error(error: zenoh::Error) -> AgentError {
+    AgentError::Zenoh(error.to_string())
+}
+
+/// Flies UAV `arguments.id` of whatever world answers, until the mission is over. Tells why it is.
+///
+/// # Errors
+/// When it cannot take part, or not go on.
+pub fn fly(arguments: &AgentArguments) -> Result<String, AgentError> {
+    let session = session::open(&arguments.wire, Role::Agent)?;
+    let process = super::process_number();
+    let result = join(&session, arguments, process)
+        .and_then(|welcome| Shell::new(&session, arguments, process, &welcome)?.run());
+    session::close(session);
+    result
+}
+
+/// Asks until a world answers.
+fn join(
+    session: &Session,
+    arguments: &AgentArguments,
+    process: u64,
+) -> Result<Welcome, AgentError> {
+    let agent = AgentId(arguments.id);
+    let program = concat!("csat ", env!("CARGO_PKG_VERSION")).to_owned();
+    let join = Join { protocol: PROTOCOL, program, agent, process };
+    let payload = serde_json::to_string(&join).expect("a query is JSON");
+    let key = match arguments.run {
+        Some(run) => Keys(RunId(run)).join(agent),
+        None => format!("csat/*/join/{agent}"),
+    };
+    let watch = Stopwatch::start();
+    loop {
+        let replies = session.get(&key).payload(&payload).timeout(ANSWER_LIMIT).wait();
+        if let Ok(reply) = replies.map_err(zenoh_error)?.recv() {
+            return match reply.into_result() {
+                Ok(sample) => serde_json::from_slice::<Welcome>(&sample.payload().to_bytes())
+                    .map_err(|error| AgentError::Version(error.to_string())),
+                Err(error) => Err(AgentError::Refused {
+                    agent,
+                    reason: String::from_utf8_lossy(&error.payload().to_bytes()).into_owned(),
+                }),
+            };
+        }
+        if watch.left(arguments.patience).is_zero() {
+            let connect = session::shown_endpoints(&arguments.wire, Role::Agent);
+            let limit_s = arguments.patience.as_secs();
+            return Err(AgentError::NoWorld { key, connect, limit_s });
+        }
+        std::thread::sleep(ASK_PERIOD);
+    }
+}
+
+/// A turn that waits for messages.
+struct Turn {
+    step: Step,
+    round: u32,
+    now: SimTime,
+    said: Vec<SaidSoFar>,
+    waiting: Stopwatch,
+}
+
+/// The time of a process that flies.
+#[derive(Clone, Copy)]
+struct Clock {
+    step: Step,
+    time: SimTime,
+    next: SimTime,
+    /// Since the frame came.
+    watch: Stopwatch,
+}
+
+/// A running process.
+struct Shell {
+    id: AgentId,
+    process: u64,
+    pace: Pace,
+    patience: Duration,
+    mission: SetMembership,
+    pixels: usize,
+    seat: Seat<SetMembership>,
+    desk: Desk,
+    ether: Ether,
+    /// Whom it hears.
+    heard: BTreeMap<AgentId, u64>,
+    /// Whose processes are gone.
+    lost: BTreeSet<AgentId>,
+    /// By radio, the number of its next message.
+    next: Vec<u64>,
+    clock: Option<Clock>,
+    turn: Option<Turn>,
+    since_probe: Stopwatch,
+}
+
+impl Shell {
+    fn new(
+        session: &Session,
+        arguments: &AgentArguments,
+        process: u64,
+        welcome: &Welcome,
+    ) -> Result<Self, AgentError> {
+        if welcome.protocol != PROTOCOL {
+            let got = welcome.protocol;
+            return Err(AgentError::Version(format!("protocol {got}, expected {PROTOCOL}")));
+        }
+        let scenario: Scenario = toml::from_str(&welcome.scenario)
+            .map_err(|error| AgentError::Version(error.message().to_owned()))?;
+        let id = AgentId(arguments.id);
+        let channels = scenario.netem.all_channels().count();
+        let mission = SetMembership::new(&scenario);
+        let links = links(&scenario, welcome.map.as_deref())?;
+        let desk = Desk::declare(session, Keys(welcome.run), id, channels, welcome.pace);
+        let desk = desk.map_err(zenoh_error)?;
+        watch_for_the_end(&desk, arguments.leashed);
+        Ok(Self {
+            id,
+            process,
+            pace: welcome.pace,
+            patience: arguments.patience,
+            pixels: scenario.camera.pixels(),
+            seat: Seat::new(&mission, id, links),
+            mission,
+            desk,
+            ether: Ether::default(),
+            heard: BTreeMap::new(),
+            lost: BTreeSet::new(),
+            next: vec![0; channels],
+            clock: None,
+            turn: None,
+            since_probe: Stopwatch::start(),
+        })
+    }
+
+    /// Until the mission is over.
+    fn run(mut self) -> Result<String, AgentError> {
+        loop {
+            self.give_signs_of_life();
+            match self.desk.next(self.wait_limit()) {
+                None => self.idle()?,
+                Some(News::Frame(header, pixels)) => self.look(&header, &pixels)?,
+                Some(News::Order(Order::Turn { step, round, now, said })) => {
+                    let waiting = Stopwatch::start();
+                    self.turn = Some(Turn { step, round, now, said, waiting });
+                    self.try_turn();
+                }
+                Some(News::Order(Order::Close { full, .. })) => {
+                    self.report(if full { Detail::Full } else { Detail::Brief });
+                }
+                Some(News::Order(Order::Show)) => self.report(Detail::Full),
+                Some(News::Order(Order::End { reason })) => return Ok(reason),
+                Some(News::Link(src, bytes)) => self.hear(src, bytes),
+                Some(News::Probe(agent, probe)) => self.probed(agent, probe),
+                Some(News::Gone(agent)) => {
+                    self.heard.remove(&agent);
+                    self.lost.insert(agent);
+                    self.try_turn();
+                }
+                Some(News::Asked(query)) => self.tell(&query),
+                Some(News::Answer(agent, bytes)) => self.catch_up(agent, bytes),
+                Some(News::WorldGone) => return Err(AgentError::WorldGone(self.id)),
+                Some(News::End(who)) => return Err(AgentError::Ended(who)),
+            }
+        }
+    }
+
+    /// Until it flies, whatever it hears meanwhile.
+    fn give_signs_of_life(&mut self) {
+        if self.clock.is_some() || !self.since_probe.left(PROBE_PERIOD).is_zero() {
+            return;
+        }
+        self.since_probe = Stopwatch::start();
+        self.desk.probe(&Probe { process: self.process, answer: true });
+        // Said again in case the world was not listening yet.
+        self.desk.ready(&self.readiness());
+    }
+
+    fn readiness(&self) -> Ready {
+        let heard = self.heard.iter().map(|(agent, process)| (*agent, *process));
+        Ready { process: self.process, heard: heard.collect() }
+    }
+
+    /// Another process gives a sign of life.
+    fn probed(&mut self, agent: AgentId, probe: Probe) {
+        tracing::debug!(own = %self.id, %agent, ?probe, "is heard");
+        self.lost.remove(&agent);
+        let is_new = self.heard.insert(agent, probe.process) != Some(probe.process);
+        if probe.answer && self.clock.is_some() {
+            self.desk.probe(&Probe { process: self.process, answer: false });
+        }
+        if is_new {
+            self.desk.ready(&self.readiness());
+        }
+    }
+
+    /// How long nothing has to be done if nothing comes.
+    fn wait_limit(&self) -> Duration {
+        match (self.clock, self.pace) {
+            (None, _) => PROBE_PERIOD,
+            (Some(_), Pace::Lockstep) => Duration::from_secs(1),
+            (Some(clock), Pace::Realtime(speed)) => match self.due_with_grace(&clock) {
+                Some(due) => clock.watch.left(wall(due.seconds_since(clock.time), speed)),
+                None => Duration::from_secs(1),
+            },
+        }
+    }
+
+    /// In real time: when to do what is due in this step.
+    fn due_with_grace(&self, clock: &Clock) -> Option<SimTime> {
+        let due = self.seat.next_due().filter(|due| *due < clock.next)?;
+        let grace_s = GRACE_SHARE * clock.next.seconds_since(clock.time);
+        Some(due.max(clock.time).after(grace_s))
+    }
+
+    /// Nothing came for a while.
+    fn idle(&mut self) -> Result<(), AgentError> {
+        match (self.clock, self.pace) {
+            (None, _) => {}
+            (Some(_), Pace::Lockstep) => self.check_patience()?,
+            (Some(clock), Pace::Realtime(speed)) => {
+                let due = self.seat.next_due().filter(|due| *due < clock.next);
+                let is_over = self.due_with_grace(&clock).is_some_and(|due| {
+                    clock.watch.left(wall(due.seconds_since(clock.time), speed)).is_zero()
+                });
+                if let Some(due) = due.filter(|_| is_over) {
+                    let now = due.max(clock.time);
+                    self.seat.run(now);
+                    self.talk(now);
+                    self.answer(clock.step, 1);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_patience(&self) -> Result<(), AgentError> {
+        let Some(turn) = &self.turn else { return Ok(()) };
+        let is_over = turn.waiting.left(self.patience).is_zero();
+        match self.ether.lacks(&turn.said, self.id) {
+            Some((from, radio, number)) if is_over => Err(AgentError::Silence {
+                limit_s: self.patience.as_secs(),
+                step: turn.step,
+                from,
+                radio,
+                number,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// A step begins.
+    fn look(&mut self, header: &FrameHeader, pixels: &[u8]) -> Result<(), AgentError> {
+        let &FrameHeader { step, time, next, pose, incarnation, .. } = header;
+        // Crashes by schedule end the agent's mind only: its process needs no help.
+        let is_late = self.clock.is_none() && incarnation.is_some_and(|life| life.0 > 0);
+        self.clock = Some(Clock { step, time, next, watch: Stopwatch::start() });
+        self.ether.skip(&header.said);
+        let is_another = incarnation.is_some_and(|life| life != self.seat.incarnation());
+        if is_another {
+            self.next.fill(0);
+        }
+        self.seat.begin(&self.mission, incarnation, &pose);
+        if incarnation.is_some() {
+            let (labels, depth) = frame_wire::decode(pixels, self.pixels)
+                .map_err(|error| AgentError::Frame { step, error })?;
+            let detections = header.detections.clone();
+            self.seat.look(time, || Frame { step, pose, labels, depth, detections });
+        }
+        self.talk(time);
+        self.answer(step, 0);
+        if is_late {
+            self.desk.ask_all();
+        }
+        self.try_turn();
+        Ok(())
+    }
+
+    /// Another agent said something.
+    fn hear(&mut self, src: AgentId, bytes: Vec<u8>) {
+        if let Err(error) = self.ether.take(src, bytes) {
+            if self.ether.refused() == 1 {
+                tracing::warn!(%error, "not a message; later ones are counted only");
+            }
+            return;
+        }
+        match self.pace {
+            Pace::Lockstep => self.try_turn(),
+            Pace::Realtime(_) if self.clock.is_some() => {
+                let heard = self.ether.hear_all();
+                heard.iter().for_each(|said| self.seat.hear(said));
+            }
+            Pace::Realtime(_) => {}
+        }
+    }
+
+    /// Somebody wants to know what the agent knows.
+    fn tell(&mut self, query: &Query) {
+        let Some(clock) = self.clock else { return };
+        let Some(answer) = self.seat.answer(clock.time) else { return };
+        let reply = query.reply(query.key_expr().clone(), answer.bytes);
+        if let Err(error) = reply.wait() {
+            tracing::warn!(%error, "cannot answer a query");
+        }
+    }
+
+    /// What another agent answered. It passes the links like everything that agents know: what
+    /// cannot be heard from there is not learnt.
+    fn catch_up(&mut self, agent: AgentId, bytes: Vec<u8>) {
+        match ether::read(agent, bytes) {
+            Ok(said) => self.seat.hear(&said),
+            Err(error) => tracing::warn!(%error, "an answer that is no message"),
+        }
+    }
+
+    /// Lockstep: takes the turn once all that was announced is here.
+    fn try_turn(&mut self) {
+        let step = self.clock.map(|clock| clock.step);
+        let Some(mut turn) = self.turn.take_if(|turn| Some(turn.step) == step) else { return };
+        // Those who are gone may have left something unsaid.
+        let lost = &self.lost;
+        turn.said.retain(|said| !lost.contains(&said.agent));
+        if self.ether.lacks(&turn.said, self.id).is_some() {
+            self.turn = Some(turn);
+            return;
+        }
+        for said in self.ether.hear(&turn.said, self.id) {
+            self.seat.hear(&said);
+        }
+        if self.seat.next_due().is_some_and(|due| due <= turn.now) {
+            self.seat.run(turn.now);
+        }
+        self.talk(turn.now);
+        self.answer(turn.step, turn.round);
+    }
+
+    /// Says what there is to say.
+    fn talk(&mut self, now: SimTime) {
+        for said in self.seat.say(now) {
+            if let Some(next) = self.next.get_mut(usize::from(said.channel.0)) {
+                *next = said.sequence + 1;
+            }
+            self.desk.say(&said);
+        }
+    }
+
+    /// Tells the world that a frame or a turn is done.
+    fn answer(&mut self, step: Step, round: u32) {
+        let said = SaidSoFar {
+            agent: self.id,
+            incarnation: self.seat.incarnation(),
+            next: self.next.clone(),
+        };
+        self.desk.done(&Done {
+            process: self.process,
+            step,
+            round,
+            said: self.seat.is_alive().then_some(said),
+            due: self.seat.next_due(),
+            commands: self.seat.take_commands(),
+        });
+    }
+
+    /// Tells the world what the step came to.
+    fn report(&mut self, detail: Detail) {
+        let flown = self.seat.finish(&self.mission, detail);
+        let account = Account::new(self.process, flown, self.seat.links());
+        self.desk.report(account.encode());
+    }
+}
+
+/// Simulated seconds in real time.
+fn wall(simulated_s: f64, speed: f64) -> Duration {
+    Duration::try_from_secs_f64(simulated_s / speed).unwrap_or(Duration::MAX)
+}
+
+/// The links to an agent, with the buildings that stand in their way.
+fn links(scenario: &Scenario, map: Option<&str>) -> Result<Links, AgentError> {
+    let is_needed = scenario.netem.all_channels().any(|(_, c)| c.propagation.is_some());
+    let obstruction = if is_needed {
+        let config = scenario.world_config();
+        let world = match map {
+            Some(text) => World::from_geojson(&config, text, scenario.seed),
+            None => World::new(&config, scenario.seed),
+        };
+        engine::obstruction(&scenario.netem, &world?)
+    } else {
+        None
+    };
+    Ok(Links::new(&scenario.netem, scenario.seed, obstruction))
+}
+
+/// Ctrl-C and SIGTERM end the process, and so does the end of standard input if it is a leash.
+fn watch_for_the_end(desk: &Desk, leashed: bool) {
+    let sender = desk.sender();
+    let signal = sender.clone();
+    let installed = ctrlc::set_handler(move || {
+        if signal.try_send(News::End("a signal")).is_err() {
+            std::process::exit(130);
+        }
+    });
+    if let Err(error) = installed {
+        tracing::warn!(%error, "cannot listen to Ctrl-C");
+    }
+    if leashed {
+        std::thread::spawn(move || {
+            let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
+            let _ = sender.send(News::End("whoever spawned it"));
+        });
+    }
+}

@@ -1,0 +1,255 @@
+//! An agent's Zenoh keys: what its process hears, says and shows.
+
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::time::Duration;
+
+use csat_proto::control::{Done, FrameHeader, Order, Pace, Probe, Ready};
+use csat_proto::ids::{AgentId, ChannelId};
+use csat_proto::keys::{Keys, split, split_agent};
+use zenoh::bytes::Encoding;
+use zenoh::liveliness::LivelinessToken;
+use zenoh::pubsub::{Publisher, Subscriber};
+use zenoh::qos::CongestionControl;
+use zenoh::query::{Query, Queryable, Reply};
+use zenoh::sample::{Locality, Sample, SampleKind};
+use zenoh::{Session, Wait};
+
+use crate::seat::Said;
+
+/// How long others may take to answer what they know.
+const ANSWER_LIMIT: Duration = Duration::from_secs(5);
+
+/// How much may wait to be read: some steps of a fleet of hundreds.
+const QUEUE: usize = 16_384;
+
+/// What an agent's process hears.
+#[derive(Debug)]
+pub enum News {
+    /// A frame: header and pixels.
+    Frame(Box<FrameHeader>, Vec<u8>),
+    /// What the world says to all.
+    Order(Order),
+    /// A message of another agent, still encoded.
+    Link(AgentId, Vec<u8>),
+    /// A sign of life of another agent's process.
+    Probe(AgentId, Probe),
+    /// Another agent's process is gone.
+    Gone(AgentId),
+    /// The world is gone.
+    WorldGone,
+    /// Somebody wants to know what the agent knows.
+    Asked(Query),
+    /// What another agent knows, because this process asked: a message, still encoded.
+    Answer(AgentId, Vec<u8>),
+    /// Somebody wants this process to end: who.
+    End(&'static str),
+}
+
+/// An agent's side of the wire.
+pub struct Desk {
+    news: Receiver<News>,
+    sender: SyncSender<News>,
+    probe: Publisher<'static>,
+    links: Vec<Publisher<'static>>,
+    ready: Publisher<'static>,
+    command: Publisher<'static>,
+    report: Publisher<'static>,
+    session: Session,
+    keys: Keys,
+    _subscribers: Vec<Subscriber<()>>,
+    _asked: Queryable<()>,
+    _token: LivelinessToken,
+}
+
+impl Desk {
+    /// Declares everything for UAV `id` with `channels` radios.
+    ///
+    /// # Errors
+    /// What Zenoh says.
+    pub fn declare(
+        session: &Session,
+        keys: Keys,
+        id: AgentId,
+        channels: usize,
+        pace: Pace,
+    ) -> zenoh::Result<Self> {
+        let (sender, news) = sync_channel(QUEUE);
+        let control = match pace {
+            Pace::Lockstep => CongestionControl::Block,
+            // One process that is stopped must not stop the others.
+            Pace::Realtime(_) => CongestionControl::Drop,
+        };
+        let publish = |key: String| {
+            session
+                .declare_publisher(key)
+                .congestion_control(control)
+                .allowed_destination(Locality::Remote)
+                .express(true)
+                .wait()
+        };
+        let subscribe = |key: String, read: fn(&Sample) -> Option<News>| {
+            session
+                .declare_subscriber(key)
+                .allowed_origin(Locality::Remote)
+                .callback(hearing(&sender, read))
+                .wait()
+        };
+        let alive = session
+            .liveliness()
+            .declare_subscriber(keys.of("alive/*"))
+            .callback(hearing(&sender, presence))
+            .wait()?;
+        let subscribers = vec![
+            subscribe(keys.links(), link)?,
+            subscribe(keys.frame(id), frame)?,
+            subscribe(keys.clock(), |sample| Some(News::Order(json(sample)?)))?,
+            alive,
+        ];
+        let links = (0..channels).map(|c| publish(keys.link(id, ChannelId(c as u8))));
+        Ok(Self {
+            links: links.collect::<zenoh::Result<_>>()?,
+            probe: publish(keys.probe(id))?,
+            ready: publish(keys.ready(id))?,
+            command: publish(keys.command(id))?,
+            report: publish(keys.report(id))?,
+            _subscribers: subscribers,
+            _asked: session
+                .declare_queryable(keys.state(id, "snapshot"))
+                .callback(asking(&sender))
+                .wait()?,
+            session: session.clone(),
+            keys,
+            _token: session.liveliness().declare_token(keys.alive(id)).wait()?,
+            news,
+            sender,
+        })
+    }
+
+    /// What comes next within `limit`.
+    pub fn next(&self, limit: Duration) -> Option<News> {
+        self.news.recv_timeout(limit).ok()
+    }
+
+    /// Where others may leave news.
+    pub fn sender(&self) -> SyncSender<News> {
+        self.sender.clone()
+    }
+
+    /// Says a message to all agents.
+    pub fn say(&self, said: &Said) {
+        match self.links.get(usize::from(said.channel.0)) {
+            Some(publisher) => put(publisher.put(said.bytes.to_vec())),
+            None => tracing::error!(channel = %said.channel, "there is no such radio"),
+        }
+    }
+
+    /// Gives a sign of life to all agents.
+    pub fn probe(&self, probe: &Probe) {
+        put(self.probe.put(text(probe)).encoding(Encoding::APPLICATION_JSON));
+    }
+
+    /// Tells the world whom this process hears.
+    pub fn ready(&self, ready: &Ready) {
+        put(self.ready.put(text(ready)).encoding(Encoding::APPLICATION_JSON));
+    }
+
+    /// Tells the world that a frame or a turn is done.
+    pub fn done(&self, done: &Done) {
+        put(self.command.put(text(done)).encoding(Encoding::APPLICATION_JSON));
+    }
+
+    /// Asks all agents what they know; the answers are news.
+    pub fn ask_all(&self) {
+        let sender = self.sender.clone();
+        let answer = move |reply: Reply| {
+            let Ok(sample) = reply.into_result() else { return };
+            let named = name(&sample).and_then(|name| split_agent(name, "state"));
+            if let Some((agent, _)) = named {
+                let bytes = sample.payload().to_bytes().into_owned();
+                let _ = sender.try_send(News::Answer(agent, bytes));
+            }
+        };
+        let get = self.session.get(self.keys.of("state/*/snapshot"));
+        let get = get.allowed_destination(Locality::Remote).timeout(ANSWER_LIMIT);
+        if let Err(error) = get.callback(answer).wait() {
+            tracing::warn!(%error, "cannot ask the others what they know");
+        }
+    }
+
+    /// Tells the world what the step came to.
+    pub fn report(&self, account: Vec<u8>) {
+        put(self.report.put(account));
+    }
+}
+
+fn text(value: &impl serde::Serialize) -> String {
+    serde_json::to_string(value).expect("what processes say is JSON")
+}
+
+fn put(put: zenoh::pubsub::PublisherPutBuilder<'_>) {
+    if let Err(error) = put.wait() {
+        tracing::error!(%error, "cannot publish");
+    }
+}
+
+fn json<T: serde::de::DeserializeOwned>(sample: &Sample) -> Option<T> {
+    parse(sample, &sample.payload().to_bytes())
+}
+
+fn parse<T: serde::de::DeserializeOwned>(sample: &Sample, bytes: &[u8]) -> Option<T> {
+    let key = sample.key_expr();
+    let read = serde_json::from_slice(bytes);
+    read.inspect_err(|error| tracing::warn!(%key, %error, "not understood")).ok()
+}
+
+/// A callback that reads a sample and queues what it says; never blocks.
+fn hearing(
+    sender: &SyncSender<News>,
+    read: fn(&Sample) -> Option<News>,
+) -> impl Fn(Sample) + Send + Sync + 'static {
+    let sender = sender.clone();
+    move |sample: Sample| {
+        if let Some(news) = read(&sample)
+            && let Err(TrySendError::Full(_)) = sender.try_send(news)
+        {
+            tracing::error!(key = %sample.key_expr(), "too much to hear: dropped");
+        }
+    }
+}
+
+fn asking(sender: &SyncSender<News>) -> impl Fn(Query) + Send + Sync + 'static {
+    let sender = sender.clone();
+    move |query: Query| {
+        if sender.try_send(News::Asked(query)).is_err() {
+            tracing::error!("too much to hear: a query is not answered");
+        }
+    }
+}
+
+fn name(sample: &Sample) -> Option<&str> {
+    split(sample.key_expr().as_str()).map(|(_, name)| name)
+}
+
+fn link(sample: &Sample) -> Option<News> {
+    let (src, what) = split_agent(name(sample)?, "link")?;
+    match what {
+        "probe" => Some(News::Probe(src, json(sample)?)),
+        _ => Some(News::Link(src, sample.payload().to_bytes().into_owned())),
+    }
+}
+
+fn frame(sample: &Sample) -> Option<News> {
+    let header = sample.attachment()?.to_bytes().into_owned();
+    let pixels = sample.payload().to_bytes().into_owned();
+    Some(News::Frame(Box::new(parse(sample, &header)?), pixels))
+}
+
+fn presence(sample: &Sample) -> Option<News> {
+    if sample.kind() != SampleKind::Delete {
+        return None;
+    }
+    match name(sample)? {
+        "alive/world" => Some(News::WorldGone),
+        name => split_agent(name, "alive").map(|(agent, _)| News::Gone(agent)),
+    }
+}

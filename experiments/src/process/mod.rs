@@ -1,0 +1,24 @@
+//! A fleet of processes, each a Zenoh peer.
+//!
+//! | module | what it is |
+//! |---|---|
+//! | [`world`] | the world's process: town, cars, cameras, monitor, recorder |
+//! | [`agent`] | the process of one agent |
+//! | [`spawn`] | starts both and leaves none behind |
+//! | [`ether`] | what others say on the links, until it is heard |
+//! | [`desk`] | an agent's Zenoh keys |
+//! | [`arguments`] | their command lines |
+
+pub mod agent;
+pub mod arguments;
+pub mod desk;
+pub mod ether;
+pub mod spawn;
+pub mod world;
+
+/// A number that no other process has.
+pub fn process_number() -> u64 {
+    use std::hash::{BuildHasher, Hasher, RandomState};
+    // The standard library's only source of randomness; it names a process and decides nothing.
+    RandomState::new().build_hasher().finish()
+}

@@ -1,0 +1,237 @@
+//! `csat spawn`: one world and its agents as processes of this machine, and none left behind.
+//!
+//! Every child holds the reading end of a pipe as its standard input, a leash: when this process
+//! ends, however it does, the pipe closes and the child ends itself. Children are in process groups
+//! of their own, so that Ctrl-C reaches this process only and the mission ends in order.
+
+use std::ffi::OsString;
+use std::io;
+use std::net::TcpListener;
+use std::path::PathBuf;
+use std::process::{ExitStatus, Stdio};
+use std::time::Duration;
+
+use clap::Args;
+use tokio::process::{Child, Command};
+use tokio::signal::unix::{SignalKind, signal};
+use tokio::task::JoinSet;
+
+use super::arguments::PaceArguments;
+use crate::cli::RunArguments;
+use crate::scenario::Loaded;
+use crate::wire::session::DEFAULT_ENDPOINT;
+
+/// How long agents may take to end after their world.
+const FAREWELL: Duration = Duration::from_secs(5);
+/// How long a process is gone before it is restarted.
+const RESTART_DELAY: Duration = Duration::from_millis(500);
+/// How often one agent is restarted; more is a program that cannot run.
+const MAX_RESTARTS: u32 = 100;
+/// Zenoh's threads, all on one: a fleet has many processes and few cores.
+const ZENOH_RUNTIME: &str = "(rx:(handover:app),acc:(handover:app),tx:(handover:app),\
+                             net:(handover:app),app:(worker_threads:1))";
+
+/// `csat spawn`.
+#[derive(Debug, Clone, Args)]
+pub struct SpawnArguments {
+    /// What to fly and where to write it down.
+    #[command(flatten)]
+    pub run: RunArguments,
+    /// How time passes and how long to wait.
+    #[command(flatten)]
+    pub pace: PaceArguments,
+    /// Start an agent's process again when it ends before the mission
+    #[arg(long)]
+    pub restart: bool,
+    /// Where the world listens [default: tcp/127.0.0.1:7447, or any free port if that is taken]
+    #[arg(long, value_name = "ENDPOINT")]
+    pub listen: Option<String>,
+    /// A Zenoh configuration (JSON5) for all processes, such as TLS and access control
+    #[arg(long, value_name = "FILE")]
+    pub zenoh_config: Option<PathBuf>,
+}
+
+/// Why processes could not be had.
+#[derive(Debug, thiserror::Error)]
+pub enum SpawnError {
+    /// No port.
+    #[error("there is no free port on 127.0.0.1: {0}")]
+    Port(io::Error),
+    /// No process.
+    #[error("cannot start `{what}`: {error}")]
+    Start {
+        /// Which.
+        what: String,
+        /// The system's reason.
+        error: io::Error,
+    },
+    /// No runtime or signals.
+    #[error("cannot watch processes: {0}")]
+    Watch(io::Error),
+}
+
+/// Starts a world and all agents of a scenario and stays until all have ended. Gives the world's exit
+/// code.
+///
+/// # Errors
+/// When a process cannot be started or watched.
+pub fn spawn(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, SpawnError> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+    runtime.map_err(SpawnError::Watch)?.block_on(watch(arguments, loaded))
+}
+
+/// A process that ended, and which agent's it was.
+type Ended = (u16, io::Result<ExitStatus>);
+
+async fn watch(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, SpawnError> {
+    let endpoint = match &arguments.listen {
+        Some(endpoint) => endpoint.clone(),
+        None => free_endpoint().map_err(SpawnError::Port)?,
+    };
+    let nursery = Nursery { arguments, endpoint, seed: loaded.scenario.seed };
+    let stop = |kind| signal(kind).map_err(SpawnError::Watch);
+    let mut stops = (stop(SignalKind::interrupt())?, stop(SignalKind::terminate())?);
+    let mut world = nursery.world()?;
+    if !arguments.run.json {
+        eprintln!(
+            "{} agents on {}; look on with `csat watch --connect {}`",
+            loaded.scenario.agents.count, nursery.endpoint, nursery.endpoint
+        );
+    }
+    let mut leash = world.stdin.take();
+    let mut agents: JoinSet<Ended> = JoinSet::new();
+    for id in 0..loaded.scenario.agents.count {
+        nursery.agent(id, &mut agents, Duration::ZERO)?;
+    }
+    let mut restarts = vec![0; usize::from(loaded.scenario.agents.count)];
+    let status = loop {
+        tokio::select! {
+            status = world.wait() => break status.map_err(SpawnError::Watch)?,
+            _ = stops.0.recv() => {
+                if leash.take().is_none() { break kill(&mut world).await?; }
+                eprintln!("\nending after this step; Ctrl-C again ends at once");
+            }
+            _ = stops.1.recv() => { leash.take(); }
+            Some(Ok((id, status))) = agents.join_next() => {
+                tell(id, &status, arguments.restart);
+                let count = &mut restarts[usize::from(id)];
+                if arguments.restart && *count < MAX_RESTARTS {
+                    *count += 1;
+                    nursery.agent(id, &mut agents, RESTART_DELAY)?;
+                }
+            }
+        }
+    };
+    let farewell = async { while agents.join_next().await.is_some() {} };
+    // Whoever is left then is killed with its handle.
+    let _ = tokio::time::timeout(FAREWELL, farewell).await;
+    agents.shutdown().await;
+    Ok(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(130))
+}
+
+async fn kill(child: &mut Child) -> Result<ExitStatus, SpawnError> {
+    child.kill().await.map_err(SpawnError::Watch)?;
+    child.wait().await.map_err(SpawnError::Watch)
+}
+
+fn tell(id: u16, status: &io::Result<ExitStatus>, restart: bool) {
+    match status {
+        // The mission is over.
+        Ok(status) if status.success() => {}
+        Ok(status) => {
+            let then = if restart { "starting it again" } else { "the others carry on" };
+            eprintln!("the process of UAV {id} ended ({status}); {then}");
+        }
+        Err(error) => eprintln!("the process of UAV {id} is out of sight: {error}"),
+    }
+}
+
+/// Zenoh's own port, or any other if that is taken.
+fn free_endpoint() -> io::Result<String> {
+    let address = DEFAULT_ENDPOINT.trim_start_matches("tcp/");
+    if TcpListener::bind(address).is_ok() {
+        return Ok(DEFAULT_ENDPOINT.to_owned());
+    }
+    let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
+    Ok(format!("tcp/127.0.0.1:{port}"))
+}
+
+/// Starts processes.
+struct Nursery<'a> {
+    arguments: &'a SpawnArguments,
+    endpoint: String,
+    seed: u64,
+}
+
+impl Nursery<'_> {
+    fn world(&self) -> Result<Child, SpawnError> {
+        let SpawnArguments { run, pace, .. } = self.arguments;
+        let mut command = self.command("world")?;
+        command.args(&run.scenario.scenario);
+        for set in &run.scenario.sets {
+            command.arg("--set").arg(set);
+        }
+        option(&mut command, "--seed", run.scenario.seed.as_ref());
+        if let Some(out) = &run.out {
+            command.arg("--out").arg(out);
+        }
+        if run.json {
+            command.arg("--json");
+        }
+        option(&mut command, "--threads", run.threads.as_ref());
+        option(&mut command, "--realtime", pace.realtime.as_ref());
+        command.args(["--patience", &pace.patience.as_secs().to_string()]);
+        command.args(["--listen", &self.endpoint]);
+        start(command, "csat world")
+    }
+
+    /// Starts an agent's process after a while and waits for its end.
+    fn agent(
+        &self,
+        id: u16,
+        agents: &mut JoinSet<Ended>,
+        delay: Duration,
+    ) -> Result<(), SpawnError> {
+        let mut command = self.command("agent")?;
+        command.args(["--id", &id.to_string(), "--run", &self.seed.to_string()]);
+        command.args(["--patience", &self.arguments.pace.patience.as_secs().to_string()]);
+        command.args(["--connect", &self.endpoint]).stdout(Stdio::null());
+        agents.spawn(async move {
+            tokio::time::sleep(delay).await;
+            match command.spawn() {
+                Ok(mut child) => {
+                    // `wait` closes standard input: the leash must outlive it.
+                    let _leash = child.stdin.take();
+                    (id, child.wait().await)
+                }
+                Err(error) => (id, Err(error)),
+            }
+        });
+        Ok(())
+    }
+
+    fn command(&self, what: &str) -> Result<Command, SpawnError> {
+        let program = std::env::current_exe()
+            .map_err(|error| SpawnError::Start { what: "csat".to_owned(), error })?;
+        let mut command = Command::new(program);
+        command.arg(what).arg("--leashed").stdin(Stdio::piped()).kill_on_drop(true);
+        command.process_group(0);
+        if std::env::var_os("ZENOH_RUNTIME").is_none() {
+            command.env("ZENOH_RUNTIME", ZENOH_RUNTIME);
+        }
+        if let Some(path) = &self.arguments.zenoh_config {
+            command.arg("--zenoh-config").arg(path);
+        }
+        Ok(command)
+    }
+}
+
+fn option(command: &mut Command, name: &str, value: Option<&impl ToString>) {
+    if let Some(value) = value {
+        command.arg(name).arg(OsString::from(value.to_string()));
+    }
+}
+
+fn start(mut command: Command, what: &str) -> Result<Child, SpawnError> {
+    command.spawn().map_err(|error| SpawnError::Start { what: what.to_owned(), error })
+}

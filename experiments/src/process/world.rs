@@ -1,0 +1,95 @@
+//! The world's process: town, cars and cameras, and everybody's observer.
+
+use csat_proto::control::{PROTOCOL, Pace, Welcome};
+use csat_proto::ids::RunId;
+use csat_proto::keys::Keys;
+use zenoh::{Session, Wait};
+
+use super::arguments::PaceArguments;
+use crate::fleet::remote::port::Port;
+use crate::fleet::remote::roster::Roster;
+use crate::fleet::remote::{FleetError, RemoteFleet};
+use crate::mission::{self, Audience, FlightError, RunOptions};
+use crate::record::{Outcome, Recorder};
+use crate::scenario::Loaded;
+use crate::set_membership::SetMembership;
+
+/// How long it is looked whether the run is flown already, seconds.
+const LOOK_S: f64 = 0.3;
+
+/// Why a world's process ended before its mission.
+#[derive(Debug, thiserror::Error)]
+pub enum WorldError {
+    /// Something of Zenoh.
+    #[error("Zenoh: {0}")]
+    Zenoh(String),
+    /// The same run is flown already.
+    #[error(
+        "run {run} has a world already at these endpoints; expected another --seed, or that one to end"
+    )]
+    Twice {
+        /// The run.
+        run: RunId,
+    },
+    /// The agents' processes.
+    #[error(transparent)]
+    Fleet(#[from] FleetError),
+    /// The flight.
+    #[error(transparent)]
+    Flight(#[from] FlightError<FleetError>),
+}
+
+fn zenoh_error(error: zenoh::Error) -> WorldError {
+    WorldError::Zenoh(error.to_string())
+}
+
+/// Waits for the agents' processes, flies the mission with them and records it.
+///
+/// # Errors
+/// When processes are missing, or the mission cannot be flown or written down.
+pub fn fly(
+    session: &Session,
+    loaded: Loaded,
+    pace: &PaceArguments,
+    options: &RunOptions,
+    recorder: &mut Recorder,
+    audience: &mut dyn Audience<SetMembership>,
+) -> Result<Outcome, WorldError> {
+    let keys = Keys(RunId(loaded.scenario.seed));
+    refuse_twice(session, keys)?;
+    let count = usize::from(loaded.scenario.agents.count);
+    let port = Port::declare(session, keys, count).map_err(zenoh_error)?;
+    let speed = pace.realtime.map_or(Pace::Lockstep, Pace::Realtime);
+    let welcome = Welcome {
+        protocol: PROTOCOL,
+        run: keys.0,
+        name: loaded.name.clone(),
+        scenario: loaded.scenario.to_toml(),
+        map: loaded.map.as_ref().map(|map| map.text.clone()),
+        pace: speed,
+    };
+    let mission = SetMembership::new(&loaded.scenario);
+    let roster = Roster::new(welcome, count);
+    let mut fleet = RemoteFleet::new(&mission, port, roster, speed, pace.patience);
+    let is_over = || options.interrupted.load(std::sync::atomic::Ordering::SeqCst);
+    let flown = fleet
+        .gather(pace.patience, is_over, |_| {})
+        .map_err(WorldError::from)
+        .and_then(|()| Ok(mission::run_fleet(loaded, &mut fleet, options, recorder, audience)?));
+    fleet.end(match &flown {
+        Ok(outcome) if outcome.interrupted => "ended by the user",
+        Ok(_) => "the mission is over",
+        Err(_) => "the world cannot go on",
+    });
+    flown
+}
+
+/// Two worlds of one run would drive the same agents.
+fn refuse_twice(session: &Session, keys: Keys) -> Result<(), WorldError> {
+    let limit = std::time::Duration::from_secs_f64(LOOK_S);
+    let tokens = session.liveliness().get(keys.alive_world()).timeout(limit).wait();
+    match tokens.map_err(zenoh_error)?.recv() {
+        Ok(_) => Err(WorldError::Twice { run: keys.0 }),
+        Err(_) => Ok(()),
+    }
+}

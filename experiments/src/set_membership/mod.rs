@@ -1,0 +1,111 @@
+//! The set-membership mission: search and track with guaranteed sets.
+
+pub mod report;
+
+use csat_agent::agent::{Event, SetMembershipAgent};
+use csat_agent::config::AgentConfig;
+use csat_proto::camera::CameraModel;
+use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
+use csat_proto::time::Step;
+
+use crate::metrics::{StepRecord, localization, percent_of};
+use crate::plug::{Detail, Mission, Tally, Watched};
+use crate::scenario::Scenario;
+use crate::view;
+use report::Report;
+
+/// The set-membership mission of a scenario.
+#[derive(Debug, Clone)]
+pub struct SetMembership {
+    config: AgentConfig,
+}
+
+impl SetMembership {
+    /// The mission that `scenario` describes.
+    pub fn new(scenario: &Scenario) -> Self {
+        let config = AgentConfig {
+            run: RunId(scenario.seed),
+            id: AgentId(0),
+            incarnation: Incarnation(0),
+            period_s: scenario.run.period_s,
+            ground: scenario.ground(),
+            targets: scenario.targets,
+            fleet: scenario.agents,
+            camera: scenario.camera,
+            estimator: scenario.estimator,
+            guidance: scenario.guidance.clone(),
+            exchange: scenario.exchange.clone(),
+            channels: scenario.channels(),
+        };
+        Self { config }
+    }
+}
+
+impl Mission for SetMembership {
+    type Agent = SetMembershipAgent;
+    type Report = Report;
+
+    fn agent(&self, id: AgentId, incarnation: Incarnation) -> SetMembershipAgent {
+        SetMembershipAgent::new(&AgentConfig { id, incarnation, ..self.config.clone() })
+    }
+
+    fn camera(&self) -> CameraModel {
+        self.config.camera
+    }
+
+    fn report(&self, agent: &mut SetMembershipAgent, detail: Detail) -> Report {
+        Report::of(agent, detail)
+    }
+
+    fn step(&self, report: &Report) -> Step {
+        report.step
+    }
+
+    fn admits(
+        &self,
+        report: &Report,
+        target: TargetId,
+        location: [f64; 2],
+        tolerance_m: f64,
+    ) -> bool {
+        report.set_of(target).distance_m(location) <= tolerance_m
+    }
+
+    fn measure(&self, report: &Report, truth: &[[f64; 2]], row: &mut StepRecord) {
+        let sets = report.targets.iter().map(|(j, set)| (*j, set));
+        row.identified = report.targets.len() as u16;
+        row.set_localization(localization(sets, truth));
+        row.unexplored_pct = percent_of(&self.config.ground, report.unexplored.area_m2());
+        row.hidden_pct = report.hidden_pct;
+        row.oem_iou_pct = report.oem_iou_pct;
+        row.vertices = report.vertices();
+    }
+
+    fn watched<'a>(&self, report: &'a Report) -> Watched<'a> {
+        Watched {
+            footprint: self.config.camera.at(&report.pose).footprint(),
+            clear_ground: report.clear_ground.as_ref(),
+            identified: report.targets.iter().map(|(j, _)| *j).collect(),
+            detected: report.detected.clone(),
+        }
+    }
+
+    fn view(&self, report: &Report) -> view::Knowledge {
+        let maps = report.maps.as_ref();
+        view::Knowledge {
+            unexplored: view::shapes(&report.unexplored),
+            targets: report.targets.iter().map(|(j, set)| (j.0, view::shapes(set))).collect(),
+            obstacle_margin: view::shapes(&report.obstacle_margin),
+            hidden: maps.map(|maps| view::cells(&maps.hidden)).unwrap_or_default(),
+            oem: maps.map(|maps| view::oem(&maps.oem_grid, &maps.oem_cells())).unwrap_or_default(),
+        }
+    }
+
+    fn tally<'a>(&self, report: &'a Report) -> &'a Tally {
+        &report.tally
+    }
+
+    fn is_inconsistency(&self, event: &Event) -> bool {
+        matches!(event, Event::Inconsistent { .. })
+    }
+}

@@ -1,0 +1,161 @@
+//! `csat watch`: a live map in the browser of a fleet that flies, or of one that flew.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`feed`] | the newest document of each topic, for pages that come when they like |
+//! | [`history`] | what a page that comes late needs of the past: paths and curves |
+//! | [`live`] | hears a fleet through Zenoh |
+//! | [`recorded`] | reads a recording |
+//! | [`recording`] | a recording, by time |
+//! | [`server`] | what a browser may ask for |
+//! | [`page`] | the page |
+//! | [`arguments`] | the command line |
+//!
+//! Documents and topics are those of `docs/topics.md`; they pass through as they are. Whoever
+//! watches never slows a fleet: what is heard waits in a bounded queue, a page that is slow gets the
+//! newest state when it is ready for it, and sets of agents that nobody looks at are not sent.
+
+pub mod arguments;
+pub mod feed;
+pub mod history;
+pub mod live;
+pub mod page;
+pub mod recorded;
+pub mod recording;
+pub mod server;
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use arguments::WatchArguments;
+use feed::Hub;
+use recording::Recording;
+use server::Source;
+
+use crate::wire::session::{self, Role, WireError};
+
+/// Why there is nothing to watch.
+#[derive(Debug, thiserror::Error)]
+pub enum WatchError {
+    /// There is no recording.
+    #[error("`{}`: not found; expected a run recorded with --record", .0.display())]
+    NotFound(PathBuf),
+    /// The system refuses to read the recording.
+    #[error("cannot read `{}`: {error}", path.display())]
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        error: std::io::Error,
+    },
+    /// The file is something else.
+    #[error("`{}`: not an MCAP file ({length} bytes); expected a run recorded with --record",
+        path.display())]
+    NotMcap {
+        /// Which file.
+        path: PathBuf,
+        /// Its size, bytes.
+        length: usize,
+    },
+    /// The recording is damaged.
+    #[error(
+        "`{}`: damaged after {messages} messages, at {time_s} s: {error}; expected a recording that \
+         was finished",
+        path.display()
+    )]
+    Damaged {
+        /// Which file.
+        path: PathBuf,
+        /// How many messages could be read.
+        messages: usize,
+        /// Simulated time of the last of them, seconds.
+        time_s: f64,
+        /// What is wrong.
+        error: mcap::McapError,
+    },
+    /// A document is not what it should be.
+    #[error("`{}`: `{topic}` at {time_s} s: {reason}; expected JSON", path.display())]
+    Document {
+        /// Which file.
+        path: PathBuf,
+        /// Topic of the document.
+        topic: String,
+        /// Its simulated time, seconds.
+        time_s: f64,
+        /// What is wrong.
+        reason: String,
+    },
+    /// There is no document in the recording.
+    #[error("`{}`: got no document in JSON, expected those of a fleet", .0.display())]
+    Empty(PathBuf),
+    /// Another process has the port.
+    #[error("port {} of {} is taken: expected a free one with --port", .0.port(), .0.ip())]
+    PortTaken(SocketAddr),
+    /// The system refuses the port.
+    #[error("cannot listen on {address}: {error}; expected a free one with --port")]
+    Listen {
+        /// Where.
+        address: SocketAddr,
+        /// Why.
+        error: std::io::Error,
+    },
+    /// No session of Zenoh.
+    #[error(transparent)]
+    Wire(#[from] WireError),
+    /// Zenoh refuses.
+    #[error("cannot listen to the fleet: {0}")]
+    Zenoh(String),
+    /// The server ended.
+    #[error("the server ended: {0}")]
+    Serve(std::io::Error),
+}
+
+impl WatchError {
+    /// Whether the user asked for something that is not there: nothing was run.
+    pub fn is_mistake(&self) -> bool {
+        !matches!(self, Self::Serve(_) | Self::Zenoh(_) | Self::Read { .. })
+    }
+}
+
+/// Serves the page until `ended`; `ready` hears its address once a browser may come.
+///
+/// # Errors
+/// When there is nothing to show, or no way to show it.
+pub async fn watch(
+    arguments: &WatchArguments,
+    ready: impl FnOnce(SocketAddr),
+    ended: impl Future<Output = ()>,
+) -> Result<(), WatchError> {
+    let recording = match &arguments.dir {
+        Some(dir) => Some(Recording::new(recorded::load(dir)?)),
+        None => None,
+    };
+    let listener = server::listen(arguments.port).await?;
+    let address = listener.local_addr().map_err(WatchError::Serve)?;
+    if let Some(recording) = recording {
+        ready(address);
+        return tokio::select! {
+            result = server::serve(listener, Source::Recorded(Arc::new(recording))) => result,
+            () = ended => Ok(()),
+        };
+    }
+    let wire = arguments.wire.clone();
+    let session = blocking(move || session::open(&wire, Role::Spectator)).await??;
+    let hub = Arc::new(Hub::default());
+    ready(address);
+    let result = tokio::select! {
+        result = server::serve(listener, Source::Live(hub.clone())) => result,
+        result = live::follow(&session, &hub, arguments.run) => result,
+        () = ended => Ok(()),
+    };
+    blocking(move || session::close(session)).await?;
+    result
+}
+
+/// Zenoh waits on the thread that calls it: one that nothing else needs.
+async fn blocking<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, WatchError> {
+    tokio::task::spawn_blocking(work).await.map_err(|error| WatchError::Zenoh(error.to_string()))
+}

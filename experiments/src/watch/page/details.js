@@ -1,0 +1,88 @@
+// Words and numbers: the header, the alarm and what one agent counts.
+
+function showHeader() {
+  const [doc, metrics] = [town(), metricsNow()];
+  const run = doc?.seed ?? state.run;
+  const title = doc?.scenario ? `${doc.scenario} · seed ${run}` : run ? `seed ${run}` : 'csat watch';
+  setText('title', title);
+  const name = `${title} · csat watch`;
+  if (document.title !== name) document.title = name;
+  setText('time', isNumber(state.time) ? ofDuration(doc) : '–');
+  const known = metrics?.identified_union ?? view(state.agent, 'stats')?.identified;
+  setText('identified', isNumber(known) ? `${known} of ${targetCount() ?? '?'}` : '–');
+  const violations = metrics?.violations;
+  setText('violations', isNumber(violations) ? String(violations) : '–');
+  byId('violations-box').classList.toggle('loud', violations > 0);
+  const alarm = byId('alarm');
+  alarm.hidden = !(violations > 0);
+  setText('alarm', violations > 0
+    ? `VIOLATED ${violations === 1 ? 'once' : `${violations} times`}: what is guaranteed (a car in the set of each UAV, separations, messages accounted for) did not hold.`
+    : '');
+  setText('attribution', doc?.attribution ?? '');
+  const shown = [`knowledge of UAV ${state.agent}`, `time ${state.time ?? '–'} s`,
+    `${agentCount()} UAVs`, `${known ?? 0} of ${targetCount() ?? '?'} cars identified`];
+  byId('fleet').setAttribute('aria-label', `Map of the region: ${shown.join(', ')}`);
+}
+
+function ofDuration(doc) {
+  const digits = Number.isInteger((doc?.period_s ?? 0.5) * 10) ? 1 : 2;
+  const now = state.time.toFixed(digits);
+  return isNumber(doc?.duration_s) ? `${now} of ${+doc.duration_s.toFixed(1)} s` : `${now} s`;
+}
+
+const percent = (value) => (isNumber(value) ? `${value.toFixed(1)} %` : '–');
+
+// What the chosen agent says of itself.
+function showDetails() {
+  const agent = state.agent;
+  setText('details-title', `UAV ${agent}${isDown(agent) ? ': crashed' : ''}`);
+  const [pose, stats] = [view(agent, 'pose'), view(agent, 'stats')];
+  const rows = [];
+  const place = placeOf(agent);
+  if (place) {
+    const [x, y, z] = place;
+    const heading = ((90 - (pose.yaw_rad * 180) / Math.PI) % 360 + 360) % 360;
+    rows.push(['position', inWords(x, y, 0)], ['altitude', `${z.toFixed(0)} m`]);
+    if (isNumber(heading)) rows.push(['course', `${heading.toFixed(0)}°`]);
+    if (pose.incarnation > 0) rows.push(['restarted', times(pose.incarnation)]);
+  }
+  if (stats) {
+    rows.push(['identified', `${stats.identified} of ${targetCount() ?? '?'}`]);
+    rows.push(['unexplored', percent(stats.unexplored_pct)], ['hidden', percent(stats.hidden_pct)]);
+    rows.push(['map agrees (OEM)', percent(stats.oem_iou_pct)]);
+    rows.push(['vertices of sets', String(stats.vertices ?? '–')], ['sent', short(stats.bytes_sent, 'B')]);
+    if (stats.withheld > 0) rows.push(['steps withheld', String(stats.withheld)]);
+    for (const [reason, count] of Object.entries(stats.rejected ?? {})) {
+      rows.push([`rejected: ${reason}`, String(count)]);
+    }
+  }
+  for (const { src, delivered, lost } of heardBy(agent)) {
+    const losses = [...lost].map(([name, count]) => `${count} ${outcomeOf(name).words}`);
+    const got = delivered ? [`${delivered} arrived`] : [];
+    rows.push([`from U${src}`, [...got, ...losses].join(', ')]);
+  }
+  const box = byId('details');
+  while (box.children.length > rows.length * 2) box.lastChild.remove();
+  rows.forEach((row, index) => row.forEach((text, side) => {
+    const at = index * 2 + side;
+    if (!box.children[at]) box.append(document.createElement(side ? 'dd' : 'dt'));
+    if (box.children[at].textContent !== text) box.children[at].textContent = text;
+  }));
+}
+
+const inWords = (x, y, digits) =>
+  `${Math.abs(x).toFixed(digits)} m ${x < 0 ? 'W' : 'E'}, ${Math.abs(y).toFixed(digits)} m ${y < 0 ? 'S' : 'N'}`;
+
+const times = (count) => (count === 1 ? 'once' : `${count} times`);
+
+// How the page hears, as words and a shape.
+function showConnection(kind, words) {
+  const pill = byId('connection');
+  pill.className = `pill ${kind}`;
+  setText('connection', words);
+}
+
+function showEmpty(words) {
+  byId('empty').hidden = !words;
+  setText('empty', words ?? '');
+}

@@ -1,0 +1,3 @@
+//! Zenoh: how a process reaches the others.
+
+pub mod session;

@@ -1,0 +1,279 @@
+//! Fleets of processes (`csat spawn`, `csat world`, `csat agent`), on loopback.
+
+#![cfg(unix)]
+
+mod common;
+
+use std::net::TcpListener;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use common::{SMALL, command, csat, json, read, scratch, text};
+
+/// Long enough for a small mission on a machine that has other things to do.
+const LIMIT: Duration = Duration::from_secs(120);
+
+/// An endpoint that nobody listens on.
+fn endpoint() -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    format!("tcp/127.0.0.1:{}", listener.local_addr().unwrap().port())
+}
+
+/// The processes that know of an endpoint, by pid, with their command lines.
+fn processes(endpoint: &str) -> Vec<(u32, String)> {
+    let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+    let pids = entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+    pids.filter_map(|pid: u32| {
+        let line = std::fs::read(format!("/proc/{pid}/cmdline")).ok()?;
+        let line = String::from_utf8_lossy(&line).replace('\0', " ");
+        line.contains(endpoint).then_some((pid, line))
+    })
+    .collect()
+}
+
+/// Waits until `happens`.
+#[track_caller]
+fn wait_until(what: &str, mut happens: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !happens() {
+        assert!(start.elapsed() < LIMIT, "waited in vain: {what}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[track_caller]
+fn expect_nobody(endpoint: &str) {
+    wait_until("no process is left", || processes(endpoint).is_empty());
+}
+
+fn signal(pid: u32, signal: &str) {
+    let status = Command::new("kill").args([signal, &pid.to_string()]).status();
+    assert!(status.unwrap().success(), "kill {signal} {pid}");
+}
+
+/// The process that flies a UAV.
+fn agent_process(endpoint: &str, id: u16) -> Option<u32> {
+    let wanted = format!("--id {id} ");
+    let all = processes(endpoint);
+    all.into_iter().find(|(_, line)| line.contains(&wanted)).map(|(pid, _)| pid)
+}
+
+/// A small mission of this many seconds.
+fn mission(seconds: &str) -> Vec<String> {
+    let mut arguments: Vec<String> = SMALL.iter().map(ToString::to_string).collect();
+    arguments.extend(["--set".to_owned(), format!("run.duration_s={seconds}")]);
+    arguments
+}
+
+fn spawn(folder: &Path, endpoint: &str, seconds: &str, more: &[&str]) -> Child {
+    let mission = mission(seconds);
+    let mut all: Vec<&str> = vec!["spawn"];
+    all.extend(mission.iter().map(String::as_str));
+    all.extend(["--listen", endpoint, "--out", "out"]);
+    all.extend(more);
+    command(folder, &all).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn end(child: Child) -> Output {
+    child.wait_with_output().unwrap()
+}
+
+/// Waits until the mission flies: its world writes metrics before its folder has its final name.
+#[track_caller]
+fn wait_for_flight(folder: &Path) {
+    wait_until("the mission flies", || {
+        let partial = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let files = partial.map(|entry| entry.path().join("metrics.csv.tmp"));
+        files.into_iter().any(|file| std::fs::metadata(file).is_ok_and(|m| m.len() > 0))
+            || folder.join("out/summary.json").exists()
+    });
+}
+
+#[test]
+fn lockstep_gives_to_the_last_byte_what_one_process_gives() {
+    let bursty = "netem.radio.loss={model=\"gilbert-elliott\",p=0.05,r=0.2,h=0.0,k=1.0}";
+    let slow = "netem.radio.delay={model=\"pareto\",mean_s=1.0}";
+    let crash = "netem.outage=[{kind=\"crash\",agent=1,from_s=3.0,until_s=5.0}]";
+    for sets in [
+        &["exchange.mode=snapshot", "agents.count=3"][..],
+        &["exchange.mode=facts", "netem.radio.range_m=60", bursty],
+        &["exchange.mode=facts+repair", "agents.count=4", bursty, slow, crash],
+        &["exchange.mode=none"],
+    ] {
+        let folder = scratch();
+        let endpoint = endpoint();
+        let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
+        let mut alone = vec!["run", "--out", "alone"];
+        let mission = mission("10");
+        alone.extend(mission.iter().map(String::as_str));
+        alone.extend(&sets);
+        let output = csat(folder.path(), &alone);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let output = end(spawn(folder.path(), &endpoint, "10", &sets));
+        assert_eq!(output.status.code(), Some(0), "{sets:?}: {}", text(&output.stderr));
+        let digest =
+            |name: &str| json(&folder.path().join(name).join("summary.json"))["digest"].clone();
+        assert_eq!(digest("alone"), digest("out"), "{sets:?}");
+        for file in ["metrics.csv", "events.jsonl", "links.csv", "view.json", "map.svg"] {
+            let of = |name: &str| read(&folder.path().join(name).join(file));
+            assert!(of("alone") == of("out"), "{sets:?}: {file} differs");
+        }
+        expect_nobody(&endpoint);
+    }
+}
+
+#[test]
+fn in_real_time_nobody_waits_and_the_guarantee_holds() {
+    let (folder, endpoint) = (scratch(), endpoint());
+    let output = end(spawn(folder.path(), &endpoint, "10", &["--realtime", "4", "--json"]));
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&summary["violations"], &summary["steps"]), (&0.into(), &20.into()));
+    assert!(summary["wall_s"].as_f64().unwrap() >= 2.5, "{}", summary["wall_s"]);
+    assert!(summary["messages"]["delivered"].as_u64().unwrap() > 0);
+    expect_nobody(&endpoint);
+}
+
+#[test]
+fn a_killed_agent_is_noticed_and_comes_back() {
+    let (folder, endpoint) = (scratch(), endpoint());
+    let child = spawn(folder.path(), &endpoint, "600", &["--restart"]);
+    wait_for_flight(folder.path());
+    signal(agent_process(&endpoint, 1).expect("UAV 1 has a process"), "-KILL");
+    let output = end(child);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(
+        said.contains("the process of UAV 1 ended (signal: 9 (SIGKILL)); starting it again"),
+        "{said}"
+    );
+    let events = read(&folder.path().join("out/events.jsonl"));
+    assert!(events.contains(r#"{"agent":1,"event":"crashed""#), "{events}");
+    let back = events.lines().find(|line| line.contains(r#""event":"restarted""#));
+    assert!(back.is_some_and(|line| line.ends_with("\"incarnation\":1}")), "{events}");
+    assert_eq!(json(&folder.path().join("out/summary.json"))["violations"], 0);
+    expect_nobody(&endpoint);
+}
+
+#[test]
+fn the_others_carry_on_without_a_killed_agent() {
+    let (folder, endpoint) = (scratch(), endpoint());
+    let child = spawn(folder.path(), &endpoint, "300", &[]);
+    wait_for_flight(folder.path());
+    signal(agent_process(&endpoint, 0).expect("UAV 0 has a process"), "-KILL");
+    let output = end(child);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("the others carry on"), "{said}");
+    let summary = json(&folder.path().join("out/summary.json"));
+    assert_eq!((&summary["violations"], &summary["steps"]), (&0.into(), &600.into()));
+    expect_nobody(&endpoint);
+}
+
+#[test]
+fn ctrl_c_leaves_a_readable_folder_and_no_process() {
+    let (folder, endpoint) = (scratch(), endpoint());
+    let child = spawn(folder.path(), &endpoint, "3000", &[]);
+    wait_for_flight(folder.path());
+    signal(child.id(), "-INT");
+    let output = end(child);
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    assert_eq!(json(&folder.path().join("out/summary.json"))["interrupted"], true);
+    expect_nobody(&endpoint);
+}
+
+#[test]
+fn nobody_outlives_a_killed_spawner() {
+    let (folder, endpoint) = (scratch(), endpoint());
+    let mut child = spawn(folder.path(), &endpoint, "3000", &[]);
+    wait_for_flight(folder.path());
+    child.kill().unwrap();
+    child.wait().unwrap();
+    expect_nobody(&endpoint);
+    assert_eq!(json(&folder.path().join("out/summary.json"))["interrupted"], true);
+}
+
+#[test]
+fn agents_end_with_a_message_when_their_world_is_killed() {
+    let (folder, endpoint) = (scratch(), endpoint());
+    let child = spawn(folder.path(), &endpoint, "3000", &[]);
+    wait_for_flight(folder.path());
+    let all = processes(&endpoint);
+    let world = all.iter().find(|(_, line)| line.contains(" world "));
+    signal(world.expect("the world has a process").0, "-KILL");
+    let output = end(child);
+    let said = text(&output.stderr);
+    assert_ne!(output.status.code(), Some(0));
+    assert!(said.contains("the world ended without a word"), "{said}");
+    expect_nobody(&endpoint);
+}
+
+/// A process that is started by hand.
+fn process(folder: &Path, arguments: &[&str]) -> Child {
+    command(folder, arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+#[test]
+fn whoever_does_not_belong_is_refused_with_a_reason() {
+    let (folder, endpoint) = (scratch(), endpoint());
+    let fleet = spawn(folder.path(), &endpoint, "3000", &[]);
+    wait_for_flight(folder.path());
+    for (arguments, code, expected) in [
+        (&["agent", "--id", "1"][..], 2, "UAV 1 is flown by another process"),
+        (&["agent", "--id", "7"], 2, "there is no UAV 7 in a fleet of 2"),
+        (&["agent", "--id", "1", "--run", "99", "--patience", "1"], 1, "waited 1 s for a world"),
+    ] {
+        let output = csat(folder.path(), &[arguments, &["--connect", &endpoint]].concat());
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        assert!(said.contains(expected), "{said}");
+    }
+    // The same run again, at a world that knows the first one.
+    let other = self::endpoint();
+    let mission = mission("5");
+    let mut again = vec!["world", "--listen", &other, "--connect", &endpoint, "--out", "again"];
+    again.extend(mission.iter().map(String::as_str));
+    let output = csat(folder.path(), &again);
+    assert!(text(&output.stderr).contains("has a world already"), "{}", text(&output.stderr));
+    // The same port.
+    let output = csat(folder.path(), &["world", "--listen", &endpoint, "--out", "port"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("expected free ports"), "{}", text(&output.stderr));
+    signal(fleet.id(), "-INT");
+    assert_eq!(end(fleet).status.code(), Some(130), "the fleet was not disturbed");
+    expect_nobody(&endpoint);
+}
+
+#[test]
+fn whoever_is_missing_is_named() {
+    let (folder, endpoint) = (scratch(), endpoint());
+    let mission = mission("5");
+    let mut world = vec!["world", "--listen", &endpoint, "--out", "out", "--patience", "2"];
+    world.extend(mission.iter().map(String::as_str));
+    let world = process(folder.path(), &world);
+    let agent = process(folder.path(), &["agent", "--id", "0", "--connect", &endpoint]);
+    let output = end(world);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("waited 2 s for UAVs 0, 1 to join"), "{said}");
+    let output = end(agent);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    expect_nobody(&endpoint);
+}
+
+#[test]
+fn bad_configurations_of_zenoh_are_refused() {
+    let folder = scratch();
+    std::fs::write(folder.path().join("zenoh.json5"), "{mode: 'queen'}").unwrap();
+    for (arguments, expected) in [
+        (&["--zenoh-config", "zenoh.json5"][..], "cannot use the Zenoh configuration"),
+        (&["--zenoh-config", "none.json5"], "cannot use the Zenoh configuration"),
+        (&["--connect", "somewhere"], "`somewhere` is no Zenoh endpoint"),
+    ] {
+        let output = csat(folder.path(), &[&["agent", "--id", "0"], arguments].concat());
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(expected), "{said}");
+    }
+}

@@ -1,0 +1,294 @@
+//! The page of `csat watch` in a browser: what shows, what can be pressed, on a desk and in a hand.
+//!
+//! Needs a Chromium (`apt-get install chromium`); without one it says so and passes. With
+//! `CSAT_WATCH_SHOTS=DIR` it leaves screenshots there.
+
+#[path = "common/browser.rs"]
+mod browser;
+mod common;
+#[path = "common/flight.rs"]
+mod flight;
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
+use std::sync::Arc;
+use std::time::Duration;
+
+use browser::Browser;
+use csat_experiments::watch::feed::{Document, Hub};
+use csat_experiments::watch::server::{self, Source};
+use serde_json::json;
+
+/// A small town in which everything happens within 12 s: losses, a crash and a restart.
+const SMALL: &[&str] = &[
+    "run.duration_s=12",
+    "map.size_m=[200, 200]",
+    "camera.columns=96",
+    "camera.rows=72",
+    "camera.min_pixels=1",
+    "targets.count=4",
+    "agents.count=3",
+    "netem.radio.range_m=60",
+    "netem.partition=[]",
+    "netem.outage=[{agent=2, from_s=8, until_s=10, kind=\"crash\"}]",
+];
+
+fn browser() -> Option<Browser> {
+    let browser = Browser::start();
+    if browser.is_none() {
+        eprintln!("SKIPPED: no chromium is installed, so nobody looked at the page");
+    }
+    browser
+}
+
+fn shot(browser: &mut Browser, name: &str) {
+    if let Some(folder) = std::env::var_os("CSAT_WATCH_SHOTS") {
+        browser.screenshot(&PathBuf::from(folder).join(format!("watch-{name}.png")));
+    }
+}
+
+/// A process that ends with its test.
+struct Watching(Child);
+
+impl Drop for Watching {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// `csat watch`, and the address that it said.
+fn watch(folder: &Path) -> (Watching, String) {
+    let mut command = common::command(folder, &["watch", ".", "--port", "0"]);
+    let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
+    (Watching(child), line.trim_end().to_owned())
+}
+
+/// Whether two pictures of the map differ by a little and by nothing.
+const HASH: &str = "(id) => { const c = document.getElementById(id); const d = \
+    c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let h = 0; \
+    for (let i = 0; i < d.length; i += 7) h = (h * 31 + d[i]) | 0; return h; }";
+
+fn picture(browser: &mut Browser, canvas: &str) -> i64 {
+    browser.value("new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)))");
+    browser.value(&format!("({HASH})('{canvas}')")).as_i64().unwrap()
+}
+
+fn text(browser: &mut Browser, id: &str) -> String {
+    browser
+        .value(&format!("document.getElementById('{id}').textContent"))
+        .as_str()
+        .unwrap()
+        .to_owned()
+}
+
+fn record_small(folder: &Path) {
+    flight::record(folder, &flight::documents("city-storm", SMALL));
+}
+
+#[test]
+fn a_recording_plays_in_a_browser() {
+    let Some(mut browser) = browser() else { return };
+    let folder = common::scratch();
+    record_small(folder.path());
+    let (_watching, address) = watch(folder.path());
+    browser.resize(1280, 800);
+    browser.open(&address);
+    browser.wait_for("document.getElementById('time').textContent === '12.0 of 12 s'");
+    assert_eq!(text(&mut browser, "title"), "city-storm · seed 1");
+    assert_eq!(text(&mut browser, "violations"), "0");
+    assert_eq!(browser.value("document.querySelectorAll('#agents button').length"), 3);
+    assert_eq!(browser.value("document.querySelectorAll('.curve canvas').length"), 6);
+    shot(&mut browser, "small-end");
+
+    layers_can_be_switched(&mut browser);
+    keys_and_buttons_work(&mut browser);
+    it_fits_a_hand(&mut browser, &address);
+    assert_eq!(browser.complaints, Vec::<String>::new());
+}
+
+/// Every layer shows, and its switch takes it away.
+fn layers_can_be_switched(browser: &mut Browser) {
+    browser.press("Home");
+    browser.press("ArrowRight");
+    browser.wait_for("document.getElementById('time').textContent.startsWith('0.5')");
+    let layers = browser.value("LAYERS.filter((l) => l.id).map((l) => l.id)");
+    browser.press("End");
+    browser.wait_for("document.getElementById('time').textContent.startsWith('12.0')");
+    for layer in layers.as_array().unwrap() {
+        let canvases = ["ground", "fleet"];
+        let before = canvases.map(|canvas| picture(browser, canvas));
+        browser.click(&format!("#layer-{}", layer.as_str().unwrap()));
+        let after = canvases.map(|canvas| picture(browser, canvas));
+        assert_ne!(before, after, "{layer} shows nothing");
+        browser.click(&format!("#layer-{}", layer.as_str().unwrap()));
+        assert_eq!(canvases.map(|canvas| picture(browser, canvas)), before, "{layer}");
+    }
+}
+
+/// Agents, steps, playing, zoom.
+fn keys_and_buttons_work(browser: &mut Browser) {
+    let of_0 = picture(browser, "ground");
+    browser.press("1");
+    browser.wait_for("document.getElementById('details-title').textContent === 'UAV 1'");
+    browser.wait_for("view(1, 'oem')");
+    assert_ne!(picture(browser, "ground"), of_0);
+    browser.click("#agents button:nth-child(1)");
+    browser.wait_for("view(0, 'oem')");
+    assert_eq!(picture(browser, "ground"), of_0);
+    browser.value("seek(9)");
+    browser.wait_for(
+        "document.querySelector('#agents button:nth-child(3) small').textContent === 'crashed'",
+    );
+    shot(browser, "small-crashed");
+    browser.click("#back");
+    browser.wait_for("document.getElementById('time').textContent.startsWith('8.5')");
+    browser.click("#zoom-in");
+    assert_ne!(picture(browser, "ground"), of_0);
+    browser.click("#fit");
+    browser.press(" ");
+    browser.wait_for("document.getElementById('time').textContent.startsWith('12.0')");
+    browser.wait_for("document.getElementById('play').textContent === 'Play'");
+}
+
+/// Nothing beside the window, everything large enough for a finger.
+fn it_fits_a_hand(browser: &mut Browser, address: &str) {
+    browser.resize(360, 740);
+    browser.open(address);
+    browser.wait_for("document.getElementById('time').textContent === '12.0 of 12 s'");
+    assert_eq!(browser.value("document.documentElement.scrollWidth"), 360);
+    shot(browser, "small-phone");
+    browser.click("#layers-box summary");
+    let small = browser.value(
+        "[...document.querySelectorAll('button, select, summary, #layers label, #slider')].filter((e) => \
+         e.offsetParent && (e.offsetHeight < 40 || e.offsetWidth < 40)).map((e) => e.outerHTML)",
+    );
+    assert_eq!(small, json!([]));
+    assert_eq!(browser.value("document.documentElement.scrollWidth"), 360);
+}
+
+/// A hub with the first seconds of a flight, and its server.
+fn live(runtime: &tokio::runtime::Runtime, documents: &[Document]) -> (Arc<Hub>, String) {
+    let hub = Arc::new(Hub::default());
+    hub.begin("1");
+    hub.publish(documents.iter().cloned());
+    let listener = runtime.block_on(server::listen(0)).unwrap();
+    let address = format!("http://{}", listener.local_addr().unwrap());
+    runtime.spawn(server::serve(listener, Source::Live(hub.clone())));
+    (hub, address)
+}
+
+#[test]
+fn a_fleet_that_flies_shows_and_a_page_comes_back() {
+    let Some(mut browser) = browser() else { return };
+    let documents = flight::documents("city-storm", SMALL);
+    let (start, rest): (Vec<_>, Vec<_>) = documents.into_iter().partition(|d| d.time_s <= 5.0);
+    let runtime = tokio::runtime::Runtime::new().unwrap();
+    let (hub, address) = live(&runtime, &start);
+    browser.resize(1280, 800);
+    browser.open(&address);
+    browser.wait_for("document.getElementById('time').textContent === '5.0 of 12 s'");
+    browser.wait_for("document.getElementById('connection').textContent === 'live'");
+    assert_eq!(browser.value("state.metrics.length"), 11, "curves reach back to the start");
+    assert_eq!(browser.value("state.paths.get(0).length"), 11);
+
+    // Paused, it hears on and shows the same.
+    browser.click("#play");
+    browser.wait_for("document.getElementById('connection').textContent === 'paused'");
+    let paused = picture(&mut browser, "ground");
+    hub.publish(rest);
+    browser.wait_for("document.getElementById('moment').textContent === '7.0 s behind'");
+    assert_eq!(picture(&mut browser, "ground"), paused);
+    browser.press(" ");
+    browser.wait_for("document.getElementById('time').textContent === '12.0 of 12 s'");
+    assert_eq!(browser.value("state.metrics.length"), 25);
+
+    // A violation is loud, whatever else shows.
+    assert_eq!(browser.value("document.getElementById('alarm').hidden"), true);
+    let body = json!({"time_s": 12.5, "violations": 2, "alive": [true, true, true]}).to_string();
+    hub.publish([Document::parse("truth/metrics", body.as_bytes()).unwrap()]);
+    browser.wait_for("document.getElementById('alarm').textContent.startsWith('VIOLATED 2 times')");
+    shot(&mut browser, "violated");
+
+    // Text of a fleet is text.
+    let body = json!({"time_s": 0.0, "scenario": "<img src=x onerror=alert(1)>", "seed": 1, "features": []});
+    hub.publish([Document::parse("truth/town", body.to_string().as_bytes()).unwrap()]);
+    browser.wait_for("document.getElementById('title').textContent.startsWith('<img')");
+    // Another mission: nothing of the last one stays.
+    hub.begin("2");
+    hub.publish(start.iter().filter(|d| d.time_s < 1.0).cloned());
+    browser.wait_for("document.getElementById('time').textContent === '0.5 of 12 s'");
+    assert_eq!(browser.value("document.getElementById('alarm').hidden"), true);
+    assert_eq!(browser.complaints, Vec::<String>::new());
+
+    drop(runtime);
+    browser.wait_for(
+        "document.getElementById('connection').textContent.startsWith('connection lost')",
+    );
+}
+
+/// Nothing is heard yet, and then documents that are no documents of `docs/topics.md`.
+#[test]
+fn odd_documents_leave_the_page_working() {
+    let Some(mut browser) = browser() else { return };
+    let runtime = tokio::runtime::Runtime::new().unwrap();
+    let (hub, address) = live(&runtime, &[]);
+    browser.resize(1280, 800);
+    browser.open(&address);
+    browser.wait_for("!document.getElementById('empty').hidden");
+    shot(&mut browser, "waiting");
+    let odd = [
+        ("view/0/pose", json!({"time_s": 1.0, "p_world": "here", "footprint": 3})),
+        ("view/0/oem", json!({"time_s": 1.0})),
+        ("view/0/targets", json!({"time_s": 1.0, "features": [{"geometry": null}, {}]})),
+        ("view/0/hidden", json!({"time_s": 1.0, "runs": null})),
+        ("view/99999999/pose", json!({"time_s": 1.0})),
+        ("truth/metrics", json!({"time_s": 1.0, "unexplored_pct": "much", "alive": 3})),
+        ("truth/town", json!({"features": null, "agents": "four", "size_m": null})),
+        ("view/0/links", json!({"time_s": 1.0, "heard": [{"src": 5, "outcome": "__proto__"}]})),
+    ];
+    let parse = |(topic, body): &(&str, serde_json::Value)| {
+        Document::parse(*topic, body.to_string().as_bytes()).unwrap()
+    };
+    hub.publish(odd.iter().map(parse));
+    browser.wait_for("document.getElementById('time').textContent === '1.0 s'");
+    std::thread::sleep(Duration::from_millis(300));
+    let good = json!({"time_s": 2.0, "p_world": [0, 0, 50], "yaw_rad": 0, "footprint": []});
+    hub.publish([parse(&("view/1/pose", good))]);
+    browser.wait_for("document.getElementById('time').textContent === '2.0 s'");
+    assert_eq!(browser.complaints, Vec::<String>::new());
+}
+
+/// The pictures of the documentation, from the shipped storm.
+#[test]
+#[ignore = "flies two minutes of the paper's city: only for the pictures of the documentation"]
+fn pictures_of_the_documentation() {
+    let mut browser = browser().expect("a chromium");
+    let folder = common::scratch();
+    let storm = ["run.duration_s=170", "netem.radio.range_m=260"];
+    flight::record(folder.path(), &flight::documents("city-storm", &storm));
+    let (_watching, address) = watch(folder.path());
+    for (name, width, height) in [("desk", 1280, 800), ("phone", 360, 740)] {
+        browser.resize(width, height);
+        for time_s in [20, 80, 155, 170] {
+            browser.open(&address);
+            browser.wait_for("typeof state === 'object' && state.time === 170");
+            browser.value(&format!("seek({time_s})"));
+            browser.wait_for(&format!("state.time === {time_s}"));
+            picture(&mut browser, "fleet");
+            shot(&mut browser, &format!("{name}-{time_s}"));
+        }
+        if width < 500 {
+            browser.call(
+                "Emulation.setDeviceMetricsOverride",
+                json!({"width": width, "height": 2000, "deviceScaleFactor": 2, "mobile": true}),
+            );
+            browser.click("#layers-box summary");
+            picture(&mut browser, "fleet");
+            shot(&mut browser, "phone-long");
+        }
+    }
+}
