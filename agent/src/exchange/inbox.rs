@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use csat_proto::agent::FIRST_ANSWER;
 use csat_proto::envelope::Envelope;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::message::{Message, Plan};
@@ -68,9 +69,13 @@ impl Inbox {
             Message::Fact(fact) => (fact, None),
             Message::Snapshot(snapshot) => (snapshot.fact, Some(snapshot.known)),
         };
+        // An answer tells more than the fact whose number it has, even to who has applied that.
+        let is_answer = envelope.sequence >= FIRST_ANSWER;
+        let identity = (src, incarnation, fact.number, known.is_some());
         let is_same =
-            |h: &Heard| (h.src, h.incarnation, h.fact.number) == (src, incarnation, fact.number);
-        if held.has_applied(src, incarnation, fact.number) || self.waiting.iter().any(is_same) {
+            |h: &Heard| (h.src, h.incarnation, h.fact.number, h.known.is_some()) == identity;
+        let is_applied = !is_answer && held.has_applied(src, incarnation, fact.number);
+        if is_applied || self.waiting.iter().any(is_same) {
             return Ok(Received::Repeat);
         }
         let max = self.capacity();

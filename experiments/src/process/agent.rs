@@ -41,6 +41,9 @@ const ASK_PERIOD: Duration = Duration::from_millis(200);
 /// In real time: the part of a period for which others' messages are waited for.
 const GRACE_SHARE: f64 = 0.1;
 
+/// How many may wait to be told what the agent knows.
+const MAX_ASKED: usize = 256;
+
 /// Why an agent's process ended before its mission.
 #[derive(Debug, thiserror::Error)]
 pub enum AgentError {
@@ -184,6 +187,7 @@ struct Clock {
 /// A running process.
 struct Shell {
     id: AgentId,
+    keys: Keys,
     process: u64,
     pace: Pace,
     patience: Duration,
@@ -201,6 +205,8 @@ struct Shell {
     clock: Option<Clock>,
     turn: Option<Turn>,
     since_probe: Stopwatch,
+    /// Who waits to be told what the agent knows.
+    asked: Vec<Query>,
 }
 
 impl Shell {
@@ -225,6 +231,7 @@ impl Shell {
         watch_for_the_end(&desk, arguments.leashed);
         Ok(Self {
             id,
+            keys: Keys(welcome.run),
             process,
             pace: welcome.pace,
             patience: arguments.patience,
@@ -239,6 +246,7 @@ impl Shell {
             clock: None,
             turn: None,
             since_probe: Stopwatch::start(),
+            asked: Vec::new(),
         })
     }
 
@@ -266,7 +274,11 @@ impl Shell {
                     self.lost.insert(agent);
                     self.try_turn();
                 }
-                Some(News::Asked(query)) => self.tell(&query),
+                Some(News::Asked(query)) => {
+                    self.asked.push(query);
+                    self.asked.truncate(MAX_ASKED);
+                    self.tell();
+                }
                 Some(News::Answer(agent, bytes)) => self.catch_up(agent, bytes),
                 Some(News::WorldGone) => return Err(AgentError::WorldGone(self.id)),
                 Some(News::End(who)) => return Err(AgentError::Ended(who)),
@@ -335,6 +347,7 @@ impl Shell {
                 if let Some(due) = due.filter(|_| is_over) {
                     let now = due.max(clock.time);
                     self.seat.run(now);
+                    self.tell();
                     self.talk(now);
                     self.answer(clock.step, 1);
                 }
@@ -403,19 +416,26 @@ impl Shell {
         }
     }
 
-    /// Somebody wants to know what the agent knows.
-    fn tell(&mut self, query: &Query) {
-        let Some(clock) = self.clock else { return };
+    /// Answers those who want to know what the agent knows, or lets them wait while it has a frame
+    /// that it has not applied yet.
+    fn tell(&mut self) {
+        let Some(clock) = self.clock.filter(|_| !self.asked.is_empty()) else { return };
         let Some(answer) = self.seat.answer(clock.time) else { return };
-        let reply = query.reply(query.key_expr().clone(), answer.bytes);
-        if let Err(error) = reply.wait() {
-            tracing::warn!(%error, "cannot answer a query");
+        let key = self.keys.state(self.id, "snapshot");
+        tracing::debug!(own = %self.id, askers = self.asked.len(), "is asked");
+        for query in self.asked.drain(..) {
+            // The key that was asked for may be a pattern.
+            let reply = query.reply(&key, &answer.bytes);
+            if let Err(error) = reply.wait() {
+                tracing::warn!(%error, "cannot answer a query");
+            }
         }
     }
 
     /// What another agent answered. It passes the links like everything that agents know: what
     /// cannot be heard from there is not learnt.
     fn catch_up(&mut self, agent: AgentId, bytes: Vec<u8>) {
+        tracing::debug!(own = %self.id, %agent, bytes = bytes.len(), "answers");
         match ether::read(agent, bytes) {
             Ok(said) => self.seat.hear(&said),
             Err(error) => tracing::warn!(%error, "an answer that is no message"),
@@ -438,6 +458,7 @@ impl Shell {
         }
         if self.seat.next_due().is_some_and(|due| due <= turn.now) {
             self.seat.run(turn.now);
+            self.tell();
         }
         self.talk(turn.now);
         self.answer(turn.step, turn.round);
