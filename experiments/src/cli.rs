@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::process::arguments::{AgentArguments, WorldArguments};
+use crate::process::arguments::{AgentArguments, WorldArguments, speed};
 use crate::process::spawn::SpawnArguments;
 use crate::watch::arguments::WatchArguments;
+use crate::wire::session::WireArguments;
 
 /// Cooperative search and tracking: a fleet of UAVs finds and follows the cars of an unknown town
 /// with guaranteed sets.
@@ -26,6 +27,7 @@ Examples:
   csat check my.toml                        every mistake at once, with its line
   csat spawn                                the same as processes, each a Zenoh peer
   csat watch                                watch a fleet that flies in the browser
+  csat run --record && csat replay runs/city-seed1 --speed 10
   csat plot runs/city-seed1                 draw the pictures of a run again
 
 Exit codes:
@@ -50,6 +52,8 @@ pub enum Command {
     Sweep(SweepArguments),
     /// Report every mistake of a scenario at once; flies nothing
     Check(ScenarioArguments),
+    /// Play a recording again for whoever listens on Zenoh, at its own pace or another
+    Replay(ReplayArguments),
     /// Show a fleet that flies, or a recorded run, as a live map in the browser
     Watch(WatchArguments),
     /// Draw the pictures of a run folder again, from its view.json, summary.json and metrics.csv
@@ -87,6 +91,27 @@ pub struct RunArguments {
     /// Threads to use; the result is the same for any number [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// Write recording.mcap too, for Foxglove, Lichtblick and `csat replay`: what everybody knows
+    /// every so many simulated seconds [default with --record alone: 1]
+    #[arg(long, value_name = "SECONDS", num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "1", value_parser = speed)]
+    pub record: Option<f64>,
+}
+
+/// What to play and how.
+#[derive(Debug, Clone, Args)]
+pub struct ReplayArguments {
+    /// The folder of a run flown with --record, or a recording
+    pub dir: PathBuf,
+    /// Simulated seconds per second
+    #[arg(long, value_name = "X", default_value = "1", value_parser = speed)]
+    pub speed: f64,
+    /// Begin again at the end, until Ctrl-C
+    #[arg(long = "loop")]
+    pub repeat: bool,
+    /// How to reach whoever listens; without it, they connect to this process.
+    #[command(flatten)]
+    pub wire: WireArguments,
 }
 
 /// What to sweep and how.

@@ -16,6 +16,7 @@
 //! | [`summary`] | a mission in numbers |
 //! | [`sweep`] | every combination with every seed, and the report |
 //! | [`record`] | writes a run down while it flies |
+//! | [`show`] | what people get to see: documents, recordings, replays |
 //! | [`run_folder`] | a folder that is whole or not there |
 //! | [`provenance`] | where a run comes from |
 //! | [`view`] | the end of a mission, to be drawn |
@@ -45,6 +46,7 @@ pub mod scenario;
 pub mod seat;
 pub mod series;
 pub mod set_membership;
+pub mod show;
 pub mod stages;
 pub mod summary;
 pub mod sweep;

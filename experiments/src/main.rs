@@ -19,6 +19,7 @@ fn main() -> ExitCode {
         Command::Agent(arguments) => commands::agent(arguments),
         Command::Check(arguments) => commands::check(arguments),
         Command::Sweep(arguments) => commands::sweep(arguments),
+        Command::Replay(arguments) => commands::replay(arguments),
         Command::Watch(arguments) => commands::watch(arguments),
         Command::Plot { dir } => commands::plot(dir),
     };

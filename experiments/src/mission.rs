@@ -72,6 +72,29 @@ pub trait Audience<M: Mission> {
     fn see(&mut self, moment: &Moment<'_, M>) -> Result<(), RecordError>;
 }
 
+/// Several look on.
+impl<M: Mission> Audience<M> for Vec<&mut dyn Audience<M>> {
+    fn wants(&mut self, step: Step) -> Detail {
+        let wanted = self.iter_mut().map(|one| one.wants(step));
+        wanted.fold(Detail::Brief, |all, one| if one == Detail::Full { one } else { all })
+    }
+
+    fn see(&mut self, moment: &Moment<'_, M>) -> Result<(), RecordError> {
+        self.iter_mut().try_for_each(|one| one.see(moment))
+    }
+}
+
+/// Somebody or nobody looks on.
+impl<M: Mission, A: Audience<M>> Audience<M> for Option<A> {
+    fn wants(&mut self, step: Step) -> Detail {
+        self.as_mut().map_or(Detail::Brief, |audience| audience.wants(step))
+    }
+
+    fn see(&mut self, moment: &Moment<'_, M>) -> Result<(), RecordError> {
+        self.as_mut().map_or(Ok(()), |audience| audience.see(moment))
+    }
+}
+
 /// Nobody looks on.
 impl<M: Mission> Audience<M> for () {
     fn wants(&mut self, _: Step) -> Detail {

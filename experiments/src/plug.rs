@@ -14,6 +14,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::metrics::StepRecord;
+use crate::show::documents::{AgentStep, Document};
 use crate::view;
 
 /// What distinguishes one kind of mission from another: the agent's mind, what it reports, what the
@@ -58,6 +59,14 @@ pub trait Mission: Sync {
 
     /// What the agent knows, to be drawn.
     fn view(&self, report: &Self::Report) -> view::Knowledge;
+
+    /// What people get to see of an agent's step (docs/topics.md, `view/{i}/…`) besides what became
+    /// of messages to it; `known` is the [`view`](Self::view) of its report.
+    fn documents(
+        &self,
+        step: &AgentStep<'_, Self::Report>,
+        known: &view::Knowledge,
+    ) -> Vec<Document>;
 
     /// What the agent did not believe and did not say in its life so far.
     fn tally<'a>(&self, report: &'a Self::Report) -> &'a Tally;

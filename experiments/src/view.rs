@@ -138,7 +138,8 @@ impl View {
     }
 }
 
-fn to_millimetre(metres: f64) -> f64 {
+/// A length to the nearest millimetre.
+pub fn to_millimetre(metres: f64) -> f64 {
     (metres * 1e3).round() / 1e3
 }
 

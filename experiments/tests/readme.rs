@@ -108,7 +108,8 @@ fn shortened(command: &str) -> String {
     let ends = [" |", " >", " 2>", " #", " &&", " ;"];
     let end = ends.iter().filter_map(|e| command.find(e)).min().unwrap_or(command.len());
     let (head, tail) = command.split_at(end);
-    if head.starts_with("csat run") && !head.contains("--help") {
+    let flies = ["csat run", "csat spawn", "csat world"].iter().any(|c| head.starts_with(c));
+    if flies && !head.contains("--help") {
         format!("{head} --set run.duration_s=3{tail}")
     } else {
         command.to_owned()

@@ -86,7 +86,7 @@ fn text(browser: &mut Browser, id: &str) -> String {
 }
 
 fn record_small(folder: &Path) {
-    flight::record(folder, &flight::documents("city-storm", SMALL));
+    flight::record(folder, "city-storm", SMALL);
 }
 
 #[test]
@@ -269,7 +269,7 @@ fn pictures_of_the_documentation() {
     let mut browser = browser().expect("a chromium");
     let folder = common::scratch();
     let storm = ["run.duration_s=170", "netem.radio.range_m=260"];
-    flight::record(folder.path(), &flight::documents("city-storm", &storm));
+    flight::record(folder.path(), "city-storm", &storm);
     let (_watching, address) = watch(folder.path());
     for (name, width, height) in [("desk", 1280, 800), ("phone", 360, 740)] {
         browser.resize(width, height);

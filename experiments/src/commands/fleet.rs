@@ -38,8 +38,8 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
             return Ok(BAD_INPUT);
         }
     };
-    let code = super::record(run, logs, |loaded, recorder| {
-        Ok(world::fly(&session, loaded, pace, &options, recorder, &mut ())?)
+    let code = super::record(run, logs, |loaded, recorder, audience| {
+        Ok(world::fly(&session, loaded, pace, &options, recorder, audience)?)
     });
     session::close(session);
     code

@@ -1,6 +1,7 @@
 //! What the commands of `csat` do, with their exit codes.
 
 mod fleet;
+mod replay;
 mod sweep;
 mod watch;
 
@@ -14,14 +15,18 @@ use anyhow::Context;
 
 use csat_experiments::cli::{RunArguments, ScenarioArguments};
 use csat_experiments::logs::Logs;
-use csat_experiments::mission::{self, RunOptions};
+use csat_experiments::mission::{self, Audience, RunOptions};
 use csat_experiments::plot;
 use csat_experiments::record::{Finished, Outcome, RecordError, RecordOptions, Recorder};
 use csat_experiments::run_folder::{Destination, FolderError};
 use csat_experiments::scenario::{self, Loaded, Mistakes, Request};
+use csat_experiments::set_membership::SetMembership;
+use csat_experiments::show;
+use csat_experiments::show::recording::Recording;
 use csat_experiments::verdict::{BAD_INPUT, DONE, verdict};
 
 pub use fleet::{agent, spawn, world};
+pub use replay::replay;
 pub use sweep::sweep;
 pub use watch::watch;
 
@@ -65,16 +70,17 @@ fn warnings(count: usize) -> String {
 /// `csat run`.
 pub fn run(arguments: &RunArguments, logs: &Logs) -> anyhow::Result<u8> {
     let options = RunOptions { interrupted: interrupted_by_the_user()? };
-    record(arguments, logs, |loaded, recorder| {
-        Ok(mission::run(loaded, &options, recorder, &mut ())?)
+    record(arguments, logs, |loaded, recorder, audience| {
+        Ok(mission::run(loaded, &options, recorder, audience)?)
     })
 }
 
-/// Loads a scenario, lets `fly` fly it and writes that down.
+/// Loads a scenario, lets `fly` fly it and writes that down; its audience makes the recording, if
+/// one was asked for.
 fn record(
     arguments: &RunArguments,
     logs: &Logs,
-    fly: impl FnOnce(Loaded, &mut Recorder) -> anyhow::Result<Outcome>,
+    fly: impl FnOnce(Loaded, &mut Recorder, &mut dyn Audience<SetMembership>) -> anyhow::Result<Outcome>,
 ) -> anyhow::Result<u8> {
     let loaded = match load(&arguments.scenario) {
         Ok(loaded) => loaded,
@@ -114,8 +120,17 @@ fn record(
     for warning in &loaded.warnings {
         tracing::info!("{}", warning.render("warning").trim_end());
     }
-    let finished = fly(loaded, &mut recorder)
-        .and_then(|outcome| Ok(recorder.finish(outcome)?))
+    let mut recording = arguments
+        .record
+        .map(|period_s| {
+            Recording::create(&partial, SetMembership::new(&loaded.scenario), &loaded, period_s)
+        })
+        .transpose()?;
+    let (finished, recorded_bytes) = fly(loaded, &mut recorder, &mut recording)
+        .and_then(|outcome| {
+            let recorded_bytes = recording.map(Recording::finish).transpose()?;
+            Ok((recorder.finish(outcome)?, recorded_bytes))
+        })
         .with_context(|| {
             format!(
                 "the run is not complete; its pieces are in `{}` (a file still being written ends \
@@ -123,7 +138,7 @@ fn record(
                 partial.display()
             )
         })?;
-    report(&finished, arguments.json)
+    report(&finished, recorded_bytes, arguments.json)
 }
 
 fn destination(out: Option<&Path>, loaded: &Loaded) -> Destination {
@@ -150,12 +165,15 @@ fn interrupted_by_the_user() -> anyhow::Result<Arc<AtomicBool>> {
     Ok(flag)
 }
 
-fn report(finished: &Finished, json: bool) -> anyhow::Result<u8> {
+fn report(finished: &Finished, recorded_bytes: Option<u64>, json: bool) -> anyhow::Result<u8> {
     let Finished { folder, summary } = finished;
     if json {
         say(&summary.to_json())?;
     } else {
-        say(&format!("{}\n{}\n", summary.describe(), folder.display()))?;
+        let recording = recorded_bytes.map_or_else(String::new, |bytes| {
+            format!("{}: {:.1} MB\n", show::FILE, bytes as f64 * 1e-6)
+        });
+        say(&format!("{}\n{recording}{}\n", summary.describe(), folder.display()))?;
     }
     let verdict = verdict(summary, folder);
     if let Some(alarm) = &verdict.alarm {

@@ -23,7 +23,9 @@ use zenoh::{Session, Wait};
 use super::arguments::AgentArguments;
 use super::desk::{Desk, News};
 use super::ether::{self, Ether};
+use super::mirror::{Mirror, Picture};
 use crate::engine;
+use crate::fleet::Passage;
 use crate::fleet::remote::account::Account;
 use crate::plug::Detail;
 use crate::scenario::Scenario;
@@ -195,6 +197,7 @@ struct Shell {
     pixels: usize,
     seat: Seat<SetMembership>,
     desk: Desk,
+    mirror: Mirror,
     ether: Ether,
     /// Whom it hears.
     heard: BTreeMap<AgentId, u64>,
@@ -228,6 +231,8 @@ impl Shell {
         let links = links(&scenario, welcome.map.as_deref())?;
         let desk = Desk::declare(session, Keys(welcome.run), id, channels, welcome.pace);
         let desk = desk.map_err(zenoh_error)?;
+        let mirror = Mirror::declare(session, Keys(welcome.run), id, mission.clone());
+        let mirror = mirror.map_err(zenoh_error)?;
         watch_for_the_end(&desk, arguments.leashed);
         Ok(Self {
             id,
@@ -239,6 +244,7 @@ impl Shell {
             seat: Seat::new(&mission, id, links),
             mission,
             desk,
+            mirror,
             ether: Ether::default(),
             heard: BTreeMap::new(),
             lost: BTreeSet::new(),
@@ -278,6 +284,10 @@ impl Shell {
                     self.asked.push(query);
                     self.asked.truncate(MAX_ASKED);
                     self.tell();
+                }
+                Some(News::Looked(query)) => {
+                    let picture = self.picture(Vec::new(), 0);
+                    self.mirror.answer(picture, query);
                 }
                 Some(News::Answer(agent, bytes)) => self.catch_up(agent, bytes),
                 Some(News::WorldGone) => return Err(AgentError::WorldGone(self.id)),
@@ -491,9 +501,21 @@ impl Shell {
         });
     }
 
+    /// What people may see of the agent now.
+    fn picture(&mut self, passages: Vec<Passage>, bytes_sent: u64) -> Picture {
+        let (step, time_s) = self.clock.map_or((Step(0), 0.0), |c| (c.step, c.time.seconds()));
+        let report = self.seat.show(&self.mission);
+        let incarnation = self.seat.incarnation();
+        Picture { incarnation, step, time_s, report, passages, bytes_sent }
+    }
+
     /// Tells the world what the step came to.
     fn report(&mut self, detail: Detail) {
         let flown = self.seat.finish(&self.mission, detail);
+        if self.mirror.is_wanted() && self.seat.is_alive() {
+            let picture = self.picture(flown.passages.clone(), flown.bytes_sent);
+            self.mirror.show(picture);
+        }
         let account = Account::new(self.process, flown, self.seat.links());
         self.desk.report(account.encode());
     }

@@ -39,6 +39,8 @@ pub enum News {
     WorldGone,
     /// Somebody wants to know what the agent knows.
     Asked(Query),
+    /// Somebody wants to see documents of the agent.
+    Looked(Query),
     /// What another agent knows, because this process asked: a message, still encoded.
     Answer(AgentId, Vec<u8>),
     /// Somebody wants this process to end: who.
@@ -57,7 +59,7 @@ pub struct Desk {
     session: Session,
     keys: Keys,
     _subscribers: Vec<Subscriber<()>>,
-    _asked: Queryable<()>,
+    _queryables: [Queryable<()>; 3],
     _token: LivelinessToken,
 }
 
@@ -105,6 +107,9 @@ impl Desk {
             subscribe(keys.clock(), |sample| Some(News::Order(json(sample)?)))?,
             alive,
         ];
+        let queryable = |key: String, news: fn(Query) -> News| {
+            session.declare_queryable(key).callback(asking(&sender, news)).wait()
+        };
         let links = (0..channels).map(|c| publish(keys.link(id, ChannelId(c as u8))));
         Ok(Self {
             links: links.collect::<zenoh::Result<_>>()?,
@@ -113,10 +118,11 @@ impl Desk {
             command: publish(keys.command(id))?,
             report: publish(keys.report(id))?,
             _subscribers: subscribers,
-            _asked: session
-                .declare_queryable(keys.state(id, "snapshot"))
-                .callback(asking(&sender))
-                .wait()?,
+            _queryables: [
+                queryable(keys.state(id, "snapshot"), News::Asked)?,
+                queryable(keys.state(id, "oem"), News::Looked)?,
+                queryable(keys.view(id, "*"), News::Looked)?,
+            ],
             session: session.clone(),
             keys,
             _token: session.liveliness().declare_token(keys.alive(id)).wait()?,
@@ -217,10 +223,13 @@ fn hearing(
     }
 }
 
-fn asking(sender: &SyncSender<News>) -> impl Fn(Query) + Send + Sync + 'static {
+fn asking(
+    sender: &SyncSender<News>,
+    news: fn(Query) -> News,
+) -> impl Fn(Query) + Send + Sync + 'static {
     let sender = sender.clone();
     move |query: Query| {
-        if sender.try_send(News::Asked(query)).is_err() {
+        if sender.try_send(news(query)).is_err() {
             tracing::error!("too much to hear: a query is not answered");
         }
     }

@@ -7,13 +7,17 @@
 //! | [`spawn`] | starts both and leaves none behind |
 //! | [`ether`] | what others say on the links, until it is heard |
 //! | [`desk`] | an agent's Zenoh keys |
+//! | [`mirror`] | what an agent shows to people |
+//! | [`truth`] | what the world shows to people |
 //! | [`arguments`] | their command lines |
 
 pub mod agent;
 pub mod arguments;
 pub mod desk;
 pub mod ether;
+pub mod mirror;
 pub mod spawn;
+pub mod truth;
 pub mod world;
 
 /// A number that no other process has.

@@ -179,6 +179,9 @@ impl Nursery<'_> {
             command.arg("--json");
         }
         option(&mut command, "--threads", run.threads.as_ref());
+        if let Some(period_s) = run.record {
+            command.arg(format!("--record={period_s}"));
+        }
         option(&mut command, "--realtime", pace.realtime.as_ref());
         command.args(["--patience", &pace.patience.as_secs().to_string()]);
         command.args(["--listen", &self.endpoint]);

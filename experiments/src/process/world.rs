@@ -6,6 +6,7 @@ use csat_proto::keys::Keys;
 use zenoh::{Session, Wait};
 
 use super::arguments::PaceArguments;
+use super::truth::Showcase;
 use crate::fleet::remote::port::Port;
 use crate::fleet::remote::roster::Roster;
 use crate::fleet::remote::{FleetError, RemoteFleet};
@@ -71,11 +72,13 @@ pub fn fly(
     let mission = SetMembership::new(&loaded.scenario);
     let roster = Roster::new(welcome, count);
     let mut fleet = RemoteFleet::new(&mission, port, roster, speed, pace.patience);
+    let mut showcase = Showcase::declare(session, keys, &loaded).map_err(zenoh_error)?;
+    let mut audience: Vec<&mut dyn Audience<SetMembership>> = vec![&mut showcase, audience];
     let is_over = || options.interrupted.load(std::sync::atomic::Ordering::SeqCst);
-    let flown = fleet
-        .gather(pace.patience, is_over, |_| {})
-        .map_err(WorldError::from)
-        .and_then(|()| Ok(mission::run_fleet(loaded, &mut fleet, options, recorder, audience)?));
+    let flown =
+        fleet.gather(pace.patience, is_over, |_| {}).map_err(WorldError::from).and_then(|()| {
+            Ok(mission::run_fleet(loaded, &mut fleet, options, recorder, &mut audience)?)
+        });
     fleet.end(match &flown {
         Ok(outcome) if outcome.interrupted => "ended by the user",
         Ok(_) => "the mission is over",

@@ -1,5 +1,6 @@
 //! The set-membership mission: search and track with guaranteed sets.
 
+mod documents;
 pub mod report;
 
 use csat_agent::agent::{Event, SetMembershipAgent};
@@ -11,6 +12,7 @@ use csat_proto::time::Step;
 use crate::metrics::{StepRecord, localization, percent_of};
 use crate::plug::{Detail, Mission, Tally, Watched};
 use crate::scenario::Scenario;
+use crate::show::documents::{AgentStep, Document};
 use crate::view;
 use report::Report;
 
@@ -99,6 +101,10 @@ impl Mission for SetMembership {
             hidden: maps.map(|maps| view::cells(&maps.hidden)).unwrap_or_default(),
             oem: maps.map(|maps| view::oem(&maps.oem_grid, &maps.oem_cells())).unwrap_or_default(),
         }
+    }
+
+    fn documents(&self, step: &AgentStep<'_, Report>, known: &view::Knowledge) -> Vec<Document> {
+        documents::documents(&self.config.camera, &self.config.ground, step, known)
     }
 
     fn tally<'a>(&self, report: &'a Report) -> &'a Tally {

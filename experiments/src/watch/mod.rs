@@ -33,52 +33,18 @@ use feed::Hub;
 use recording::Recording;
 use server::Source;
 
+use crate::show::read::ReadError;
 use crate::wire::session::{self, Role, WireError};
 
 /// Why there is nothing to watch.
 #[derive(Debug, thiserror::Error)]
 pub enum WatchError {
-    /// There is no recording.
-    #[error("`{}`: not found; expected a run recorded with --record", .0.display())]
-    NotFound(PathBuf),
-    /// The system refuses to read the recording.
-    #[error("cannot read `{}`: {error}", path.display())]
-    Read {
-        /// Which file.
-        path: PathBuf,
-        /// Why.
-        error: std::io::Error,
-    },
-    /// The file is something else.
-    #[error("`{}`: not an MCAP file ({length} bytes); expected a run recorded with --record",
-        path.display())]
-    NotMcap {
-        /// Which file.
-        path: PathBuf,
-        /// Its size, bytes.
-        length: usize,
-    },
-    /// The recording is damaged.
-    #[error(
-        "`{}`: damaged after {messages} messages, at {time_s} s: {error}; expected a recording that \
-         was finished",
-        path.display()
-    )]
-    Damaged {
-        /// Which file.
-        path: PathBuf,
-        /// How many messages could be read.
-        messages: usize,
-        /// Simulated time of the last of them, seconds.
-        time_s: f64,
-        /// What is wrong.
-        error: mcap::McapError,
-    },
+    /// There is no recording that can be read.
+    #[error(transparent)]
+    Recording(#[from] ReadError),
     /// A document is not what it should be.
-    #[error("`{}`: `{topic}` at {time_s} s: {reason}; expected JSON", path.display())]
+    #[error("`{topic}` at {time_s} s of the recording: {reason}; expected JSON")]
     Document {
-        /// Which file.
-        path: PathBuf,
         /// Topic of the document.
         topic: String,
         /// Its simulated time, seconds.
@@ -114,7 +80,7 @@ pub enum WatchError {
 impl WatchError {
     /// Whether the user asked for something that is not there: nothing was run.
     pub fn is_mistake(&self) -> bool {
-        !matches!(self, Self::Serve(_) | Self::Zenoh(_) | Self::Read { .. })
+        !matches!(self, Self::Serve(_) | Self::Zenoh(_) | Self::Recording(ReadError::Io { .. }))
     }
 }
 

@@ -73,7 +73,14 @@ pub fn generate(config: &MapConfig, rules: &MapRules, seed: u64) -> Result<Map, 
             name: format!("building {index} ({kind})"),
         })
         .collect();
-    Ok(Map { ground, obstacles, roads: polylines(&ground, &streets), attribution: None, warnings })
+    Ok(Map {
+        ground,
+        obstacles,
+        roads: polylines(&ground, &streets),
+        centre_deg: None,
+        attribution: None,
+        warnings,
+    })
 }
 
 /// The range of heights, below the flights.

@@ -6,7 +6,7 @@
 //! | [`geojson`] | real towns from RFC 7946 files |
 //! | `repair` | outlines of real towns made valid |
 //! | `merge` | outlines that overlap made disjoint |
-//! | `project` | longitude and latitude to the local tangent plane |
+//! | [`project`] | longitude and latitude to the local tangent plane |
 //! | [`report`] | what can be wrong with a map, and what was put right |
 
 use std::path::PathBuf;
@@ -17,13 +17,14 @@ use serde::{Deserialize, Serialize};
 pub mod generate;
 pub mod geojson;
 mod merge;
-mod project;
+pub mod project;
 mod repair;
 pub mod report;
 
 pub use report::{FeatureRef, MapError, MapWarning};
 
 use crate::obstacle::Obstacle;
+use project::TangentPlane;
 
 /// How far below the lowest UAV every top must stay, metres.
 pub const FLIGHT_CLEARANCE_M: f64 = 2.0;
@@ -100,6 +101,9 @@ pub struct Map {
     pub obstacles: Vec<Obstacle>,
     /// Centre lines of roads as mapped, `world`, metres: neither clipped nor clear of walls.
     pub roads: Vec<Vec<[f64; 2]>>,
+    /// Where on Earth the middle of the region is, [longitude, latitude] in degrees; `None` for a
+    /// town that is nowhere.
+    pub centre_deg: Option<[f64; 2]>,
     /// The line that whoever shows the map has to show with it.
     pub attribution: Option<String>,
     /// What was put right or left out.
@@ -110,6 +114,12 @@ impl Map {
     /// Share of the region under obstacles, 0..1.
     pub fn built_share(&self) -> f64 {
         self.obstacles.iter().map(Obstacle::area_m2).sum::<f64>() / self.ground.area_m2()
+    }
+
+    /// From `world` to longitude and latitude and back; a town that is nowhere is put at (0, 0),
+    /// where nobody lives.
+    pub fn plane(&self) -> TangentPlane {
+        TangentPlane::new(self.centre_deg.unwrap_or_default())
     }
 }
 

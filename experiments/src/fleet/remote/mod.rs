@@ -155,7 +155,7 @@ impl<M: Mission> RemoteFleet<M> {
     pub fn end(&mut self, reason: &str) {
         self.port.voice().say(&Order::End { reason: reason.to_owned() });
         let watch = Stopwatch::start();
-        while self.roster.present().next().is_some() {
+        while self.roster.is_joined() {
             match self.port.next(watch.left(FAREWELL)) {
                 Some(news) => self.take(news),
                 None => break,

@@ -52,6 +52,11 @@ impl Roster {
         ids.filter(|agent| self.process(*agent).is_some())
     }
 
+    /// Whether any process has joined that is not gone, whether or not it takes part.
+    pub fn is_joined(&self) -> bool {
+        self.seats.iter().any(|seat| seat.process.is_some())
+    }
+
     /// The process of each agent that takes part, by index.
     pub fn attendance(&self) -> Vec<Option<u64>> {
         self.seats.iter().map(|seat| seat.process.filter(|_| seat.is_admitted)).collect()

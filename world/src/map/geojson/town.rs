@@ -52,7 +52,14 @@ impl Town<'_> {
         if roads.is_empty() {
             self.warnings.push(MapWarning::NoRoads);
         }
-        Map { ground: self.ground, obstacles, roads, attribution, warnings: self.warnings }
+        Map {
+            ground: self.ground,
+            obstacles,
+            roads,
+            centre_deg: Some(self.plane.centre_deg()),
+            attribution,
+            warnings: self.warnings,
+        }
     }
 
     /// Positions in the plane; `None` when one is too far away to be there.

@@ -1,0 +1,117 @@
+//! `csat replay`: a recording as if it flew now.
+
+use std::io::IsTerminal;
+use std::sync::atomic::Ordering;
+
+use csat_experiments::cli::ReplayArguments;
+use csat_experiments::show::documents::Document;
+use csat_experiments::show::read::{self, Film};
+use csat_experiments::show::replay::play;
+use csat_experiments::show::truth;
+use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED};
+use csat_experiments::wire::session::{self, Role};
+use csat_proto::keys::Keys;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use zenoh::bytes::Encoding;
+use zenoh::qos::{CongestionControl, Priority};
+use zenoh::{Session, Wait};
+
+/// `csat replay`.
+pub fn replay(arguments: &ReplayArguments) -> anyhow::Result<u8> {
+    let film = match read::load(&arguments.dir) {
+        Ok(film) => film,
+        Err(error) => {
+            eprintln!("error: {error}");
+            return Ok(BAD_INPUT);
+        }
+    };
+    if let Some(warning) = &film.warning {
+        eprintln!("warning: {warning}");
+    }
+    let interrupted = super::interrupted_by_the_user()?;
+    // It stands in for the world: others connect to it.
+    let session = match session::open(&arguments.wire, Role::World) {
+        Ok(session) => session,
+        Err(error) => {
+            eprintln!("error: {error}");
+            return Ok(BAD_INPUT);
+        }
+    };
+    let has_ended = show(&film, arguments, &session, || !interrupted.load(Ordering::SeqCst));
+    session::close(session);
+    // Whoever plays it forever ends it so.
+    Ok(if has_ended? || arguments.repeat { DONE } else { INTERRUPTED })
+}
+
+/// Plays the film, again and again if asked to; false when it was ended early.
+fn show(
+    film: &Film,
+    arguments: &ReplayArguments,
+    session: &Session,
+    goes_on: impl Fn() -> bool,
+) -> anyhow::Result<bool> {
+    let keys = Keys(film.run);
+    eprintln!(
+        "playing {} with seed {} under {}",
+        film.scenario,
+        film.run,
+        keys.of("view/** and truth/**")
+    );
+    let town = film.documents.iter().find(|r| r.document.topic == truth::TOWN);
+    let _town = town.map(|town| answer(session, keys, &town.document)).transpose()?;
+    let bar = bar(film, arguments.speed);
+    loop {
+        let at = |time_s: f64| bar.set_position(time_s as u64);
+        let has_ended = play(film, arguments.speed, &goes_on, at, |recorded| {
+            at(recorded.time_s());
+            publish(session, keys, &recorded.document)
+        })?;
+        if !has_ended || !arguments.repeat {
+            bar.finish_and_clear();
+            return Ok(has_ended);
+        }
+    }
+}
+
+fn publish(session: &Session, keys: Keys, document: &Document) -> anyhow::Result<()> {
+    session
+        .put(keys.of(&document.topic), document.body.as_str())
+        .encoding(Encoding::from(document.encoding.media_type()))
+        .priority(Priority::DataLow)
+        .congestion_control(CongestionControl::Drop)
+        .wait()
+        .map_err(|error| anyhow::anyhow!("cannot publish {}: {error}", document.topic))
+}
+
+/// Gives a document to whoever asks for it, as long as the returned queryable lives.
+fn answer(
+    session: &Session,
+    keys: Keys,
+    document: &Document,
+) -> anyhow::Result<zenoh::query::Queryable<()>> {
+    let key = keys.of(&document.topic);
+    let (body, encoding) = (document.body.clone(), document.encoding.media_type());
+    session
+        .declare_queryable(key.clone())
+        .callback(move |query| {
+            let reply = query.reply(key.clone(), body.as_str()).encoding(Encoding::from(encoding));
+            if let Err(error) = reply.wait() {
+                tracing::warn!(%error, "nobody took the town");
+            }
+        })
+        .wait()
+        .map_err(|error| anyhow::anyhow!("cannot answer for {}: {error}", document.topic))
+}
+
+/// A bar of simulated seconds on stderr; invisible when stderr is no terminal.
+fn bar(film: &Film, speed: f64) -> ProgressBar {
+    let is_visible = std::io::stderr().is_terminal();
+    let target =
+        if is_visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let last_s = film.documents.last().map_or(0.0, read::Recorded::time_s);
+    let bar = ProgressBar::with_draw_target(Some(last_s as u64), target);
+    let style = ProgressStyle::with_template("{wide_bar} {pos} s of {len} s {msg}");
+    bar.set_style(style.expect("the template is a constant"));
+    bar.set_message(format!("({speed}x)"));
+    bar
+}

@@ -1,0 +1,191 @@
+//! A mission in three dimensions, for the 3D panels of Foxglove and Lichtblick.
+//!
+//! Everything is in the frame [`FRAME`] (East-North-Up, metres). A step's update takes away all of
+//! the one before, so that a viewer may begin anywhere; the town has a topic of its own because it
+//! is said once.
+
+use csat_proto::camera::Pose;
+use csat_world::world::World;
+use foxglove::messages::line_primitive::Type as LineType;
+use foxglove::messages::scene_entity_deletion::Type as DeletionType;
+use foxglove::messages::{
+    ArrowPrimitive, Color, CubePrimitive, FrameTransform, FrameTransforms, LinePrimitive, Point3,
+    Pose as FoxglovePose, Quaternion, SceneEntity, SceneEntityDeletion, SceneUpdate, TextPrimitive,
+    Timestamp, TriangleListPrimitive, Vector3,
+};
+
+use super::mesh;
+use super::recording::Seen;
+use crate::plot::uav_colour;
+use crate::view::Ring;
+
+/// The frame that everything is in.
+pub const FRAME: &str = "world";
+
+/// How far above the ground lines are, metres: on it they would flicker.
+const LINE_M: f64 = 0.2;
+
+/// An instant of simulated time.
+pub fn timestamp(time_ns: u64) -> Timestamp {
+    let (seconds, rest) = (time_ns / 1_000_000_000, time_ns % 1_000_000_000);
+    Timestamp::new(u32::try_from(seconds).unwrap_or(u32::MAX), rest as u32)
+}
+
+/// The town: its buildings and its roads.
+pub fn town(world: &World) -> SceneUpdate {
+    let grey = Color { r: 0.62, g: 0.6, b: 0.56, a: 1.0 };
+    let building = |(index, obstacle): (usize, &csat_world::obstacle::Obstacle)| {
+        let rings: Vec<Ring> = obstacle.rings().collect();
+        let corners = mesh::building(&rings, obstacle.height_m);
+        let points = corners.into_iter().map(|p| p.map(coarse)).map(|[x, y, z]| Point3 { x, y, z });
+        SceneEntity {
+            triangles: vec![TriangleListPrimitive {
+                pose: Some(at([0.0; 3], 0.0)),
+                points: points.collect(),
+                color: Some(grey),
+                ..TriangleListPrimitive::default()
+            }],
+            ..entity(0, format!("building {index}"))
+        }
+    };
+    let road = Color { r: 0.5, g: 0.5, b: 0.5, a: 0.8 };
+    let roads = world.roads().edges().iter();
+    let roads = SceneEntity {
+        lines: roads.map(|edge| line(&edge.line, LineType::LineStrip, 1.0, road)).collect(),
+        ..entity(0, "roads".to_owned())
+    };
+    let buildings = world.obstacles().iter().enumerate().map(building);
+    SceneUpdate { deletions: Vec::new(), entities: buildings.chain([roads]).collect() }
+}
+
+/// What moves, at one step.
+pub fn step(time_ns: u64, world: &World, seen: &[Seen]) -> SceneUpdate {
+    let everything = SceneEntityDeletion {
+        timestamp: Some(timestamp(time_ns)),
+        r#type: DeletionType::All as i32,
+        id: String::new(),
+    };
+    let mut entities = vec![cars(time_ns, world)];
+    let poses = world.poses();
+    entities.extend(seen.iter().filter_map(|seen| {
+        let pose = poses.get(usize::from(seen.agent.0))?;
+        Some(uav(time_ns, seen, pose))
+    }));
+    entities.extend(seen.iter().filter(|s| !s.is_repeated).map(|s| knowledge(time_ns, s)));
+    SceneUpdate { deletions: vec![everything], entities }
+}
+
+/// Where the UAVs are, so that a viewer can follow one: frames `uav-0`, `uav-1`...
+pub fn frames(time_ns: u64, world: &World) -> FrameTransforms {
+    let frame = |(index, pose): (usize, &Pose)| {
+        let FoxglovePose { position, orientation } = at(pose.p_world, pose.yaw_rad);
+        FrameTransform {
+            timestamp: Some(timestamp(time_ns)),
+            parent_frame_id: FRAME.to_owned(),
+            child_frame_id: format!("uav-{index}"),
+            translation: position,
+            rotation: orientation,
+        }
+    };
+    FrameTransforms { transforms: world.poses().iter().enumerate().map(frame).collect() }
+}
+
+fn cars(time_ns: u64, world: &World) -> SceneEntity {
+    let [x, y, z] = world.config().targets.body_m;
+    let red = Color { r: 0.85, g: 0.1, b: 0.1, a: 1.0 };
+    let cars = world.targets().iter().map(|target| {
+        let [east, north] = target.location;
+        CubePrimitive {
+            pose: Some(at([east, north, z / 2.0], target.heading_rad)),
+            size: Some(Vector3 { x, y, z }),
+            color: Some(red),
+        }
+    });
+    SceneEntity { cubes: cars.collect(), ..entity(time_ns, "cars".to_owned()) }
+}
+
+fn uav(time_ns: u64, seen: &Seen, pose: &Pose) -> SceneEntity {
+    let colour = colour(seen, 1.0);
+    let [x, y, z] = pose.p_world;
+    let arrow = ArrowPrimitive {
+        pose: Some(at(pose.p_world, pose.yaw_rad)),
+        shaft_length: 6.0,
+        shaft_diameter: 2.0,
+        head_length: 4.0,
+        head_diameter: 4.0,
+        color: Some(colour),
+    };
+    let name = TextPrimitive {
+        pose: Some(at([x, y, z + 5.0], 0.0)),
+        billboard: true,
+        font_size: 14.0,
+        scale_invariant: true,
+        color: Some(colour),
+        text: format!("UAV {}", seen.agent),
+    };
+    SceneEntity {
+        arrows: vec![arrow],
+        lines: vec![line(&seen.footprint, LineType::LineLoop, 1.5, colour)],
+        texts: vec![name],
+        ..entity(time_ns, format!("uav {}", seen.agent))
+    }
+}
+
+/// The outlines of what an agent knows: where each target is, and where the others may be.
+fn knowledge(time_ns: u64, seen: &Seen) -> SceneEntity {
+    let (strong, faint) = (colour(seen, 1.0), colour(seen, 0.5));
+    let targets = seen.known.targets.iter().flat_map(|(_, shapes)| shapes).flatten();
+    let targets = targets.map(|ring| line(ring, LineType::LineLoop, 3.0, strong));
+    let unexplored = seen.known.unexplored.iter().flatten();
+    let unexplored = unexplored.map(|ring| line(ring, LineType::LineLoop, 1.0, faint));
+    SceneEntity {
+        lines: targets.chain(unexplored).collect(),
+        ..entity(time_ns, format!("knowledge of {}", seen.agent))
+    }
+}
+
+fn colour(seen: &Seen, a: f64) -> Color {
+    let digits =
+        u32::from_str_radix(uav_colour(usize::from(seen.agent.0)).trim_start_matches('#'), 16);
+    let digits = digits.unwrap_or_default();
+    let [r, g, b] = [16, 8, 0].map(|shift| f64::from((digits >> shift) & 0xff) / 255.0);
+    Color { r, g, b, a }
+}
+
+fn entity(time_ns: u64, id: String) -> SceneEntity {
+    SceneEntity {
+        timestamp: Some(timestamp(time_ns)),
+        frame_id: FRAME.to_owned(),
+        id,
+        ..SceneEntity::default()
+    }
+}
+
+fn line(points: &[[f64; 2]], kind: LineType, thickness_px: f64, color: Color) -> LinePrimitive {
+    LinePrimitive {
+        r#type: kind as i32,
+        pose: Some(at([0.0, 0.0, LINE_M], 0.0)),
+        thickness: thickness_px,
+        scale_invariant: true,
+        points: points
+            .iter()
+            .map(|p| p.map(coarse))
+            .map(|[x, y]| Point3 { x, y, z: 0.0 })
+            .collect(),
+        color: Some(color),
+        ..LinePrimitive::default()
+    }
+}
+
+/// A length to 1/16 m: such numbers end in zeros, which compress, and nobody sees the difference.
+fn coarse(metres: f64) -> f64 {
+    (metres * 16.0).round() / 16.0
+}
+
+fn at([x, y, z]: [f64; 3], yaw_rad: f64) -> FoxglovePose {
+    let (sin, cos) = (yaw_rad / 2.0).sin_cos();
+    FoxglovePose {
+        position: Some(Vector3 { x, y, z }),
+        orientation: Some(Quaternion { x: 0.0, y: 0.0, z: sin, w: cos }),
+    }
+}

@@ -1,0 +1,94 @@
+//! JSON Schemas of the documents, so that viewers know which fields there are to plot.
+//!
+//! Viewers of the Foxglove family refuse a schema with anything but booleans, strings, numbers,
+//! objects and arrays of those: arrays of arrays and types "or null" are left out or written plain.
+
+use serde_json::{Value, json};
+
+/// The schema of the documents of a topic: its name and its text.
+pub fn of_topic(topic: &str) -> (String, String) {
+    let name = topic.rsplit('/').next().unwrap_or(topic);
+    let is_view = topic.starts_with("view/");
+    let mut title = name.to_owned();
+    if let Some(first) = title.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    let title = format!("csat.{}{title}", if is_view { "View" } else { "Truth" });
+    let head = if is_view { "agent:n incarnation:n step:n time_s:n" } else { "step:n time_s:n" };
+    let mut properties = fields(head);
+    properties.extend(fields(if is_view { of_view(name) } else { of_truth(name) }));
+    let nested = match name {
+        "plan" => Some(("poses", "p_world:[n] yaw_rad:n")),
+        "links" => Some(("heard", "src:n channel:n outcome:s count:n delay_s:n")),
+        "targets" if !is_view => Some(("targets", "target:n location:[n]")),
+        _ => None,
+    };
+    if let Some((key, of_items)) = nested {
+        let items = json!({ "type": "object", "properties": fields(of_items) });
+        properties.insert(key.to_owned(), json!({ "type": "array", "items": items }));
+    }
+    let schema = json!({ "title": title, "type": "object", "properties": properties });
+    (title, schema.to_string())
+}
+
+fn of_view(name: &str) -> &'static str {
+    match name {
+        "pose" => "p_world:[n] yaw_rad:n",
+        "targets" | "unexplored" | "obstacles" => "type:s",
+        "hidden" | "oem" => "cell_m:n origin_m:[n]",
+        "stats" => {
+            "identified:n unexplored_pct:n hidden_pct:n oem_iou_pct:n vertices:n bytes_sent:n \
+             withheld:n"
+        }
+        _ => "",
+    }
+}
+
+fn of_truth(name: &str) -> &'static str {
+    match name {
+        "town" => {
+            "type:s size_m:[n] center:[n] scenario:s seed:n agents:n targets:n duration_s:n \
+             period_s:n attribution:s"
+        }
+        "metrics" => {
+            "unexplored_pct:n hidden_pct:n explored_pct:n footprint_pct:n ground_seen_pct:n \
+             localization_error_m:n target_radius_m:n oem_iou_pct:n identified:n \
+             identified_union:n targets_in_fov:n violations:n bytes_sent:n alive:[b]"
+        }
+        "lives" => "agent:n event:s incarnation:n",
+        _ => "",
+    }
+}
+
+/// Properties from `name:type`, where `n` is a number, `s` a string, `b` a boolean and `[…]` an
+/// array of them.
+fn fields(text: &str) -> serde_json::Map<String, Value> {
+    let field = |field: &str| {
+        let (name, kind) = field.split_once(':')?;
+        let plain = kind.trim_matches(['[', ']']);
+        let plain =
+            json!({ "type": match plain { "n" => "number", "b" => "boolean", _ => "string" } });
+        let is_array = kind.starts_with('[');
+        let of = if is_array { json!({ "type": "array", "items": plain }) } else { plain };
+        Some((name.to_owned(), of))
+    };
+    text.split_whitespace().filter_map(field).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn schemas_name_what_can_be_plotted() {
+        let (name, text) = of_topic("view/3/stats");
+        assert_eq!(name, "csat.ViewStats");
+        let schema: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(schema["properties"]["unexplored_pct"]["type"], "number");
+        let (name, text) = of_topic("truth/targets");
+        assert_eq!(name, "csat.TruthTargets");
+        let schema: Value = serde_json::from_str(&text).unwrap();
+        let items = &schema["properties"]["targets"]["items"]["properties"];
+        assert_eq!(items["location"]["items"]["type"], "number");
+    }
+}

@@ -1,0 +1,157 @@
+//! What the world's process shows people: what is true, and what the fleet is worth.
+
+use csat_proto::ids::{AgentId, TargetId};
+use csat_proto::time::Step;
+use csat_world::world::World;
+use serde::Serialize;
+use serde_json::json;
+
+use super::documents::{Document, micro};
+use super::shape;
+use crate::engine::{LifeEvent, StepTrace};
+use crate::mission::Moment;
+use crate::plug::Mission;
+use crate::scenario::Scenario;
+use crate::series::{Means, Point};
+use crate::view::{Ring, to_millimetre};
+
+/// The name of the town's document.
+pub const TOWN: &str = "truth/town";
+
+/// Members of the town's collection beside its features.
+#[derive(Debug, Serialize)]
+struct TownHead<'a> {
+    size_m: [f64; 2],
+    center: Option<[f64; 2]>,
+    scenario: &'a str,
+    seed: u64,
+    agents: u16,
+    targets: u16,
+    duration_s: f64,
+    period_s: f64,
+    attribution: Option<&'a str>,
+}
+
+/// `truth/town`: the town of the scenario called `name`.
+pub fn town(name: &str, scenario: &Scenario, world: &World) -> Document {
+    let buildings = world.obstacles().iter().map(|obstacle| {
+        let rings: Vec<Ring> = obstacle.rings().map(|ring| rounded(&ring)).collect();
+        let height_m = to_millimetre(obstacle.height_m);
+        let properties = json!({ "kind": "building", "height_m": height_m });
+        shape::feature(shape::polygon(&rings), properties)
+    });
+    let roads = world.roads().edges().iter().map(|edge| {
+        shape::feature(shape::line_string(&rounded(&edge.line)), json!({ "kind": "road" }))
+    });
+    let map = world.map();
+    let head = TownHead {
+        size_m: scenario.map.size_m,
+        center: map.centre_deg,
+        scenario: name,
+        seed: scenario.seed,
+        agents: scenario.agents.count,
+        targets: scenario.targets.count,
+        duration_s: scenario.run.duration_s,
+        period_s: scenario.run.period_s,
+        attribution: map.attribution.as_deref(),
+    };
+    Document::geojson(TOWN, shape::collection(buildings.chain(roads).collect(), &head))
+}
+
+/// A line to the nearest millimetre.
+pub(super) fn rounded(line: &[[f64; 2]]) -> Ring {
+    line.iter().map(|p| p.map(to_millimetre)).collect()
+}
+
+/// `truth/targets`.
+#[derive(Debug, Serialize)]
+struct Targets {
+    step: Step,
+    time_s: f64,
+    targets: Vec<Located>,
+}
+
+#[derive(Debug, Serialize)]
+struct Located {
+    target: TargetId,
+    location: [f64; 2],
+}
+
+/// `truth/targets`: where the cars are.
+pub fn targets<M: Mission>(moment: &Moment<'_, M>) -> Document {
+    let located = moment.world.targets().iter().enumerate().map(|(index, target)| Located {
+        target: TargetId(index as u16),
+        location: target.location.map(to_millimetre),
+    });
+    let (step, time_s) = (moment.trace.step, moment.time_s);
+    Document::json("truth/targets", &Targets { step, time_s, targets: located.collect() })
+}
+
+/// `truth/metrics`.
+#[derive(Debug, Serialize)]
+struct Metrics {
+    step: Step,
+    time_s: f64,
+    unexplored_pct: Option<f64>,
+    hidden_pct: Option<f64>,
+    explored_pct: Option<f64>,
+    footprint_pct: Option<f64>,
+    ground_seen_pct: Option<f64>,
+    localization_error_m: Option<f64>,
+    target_radius_m: Option<f64>,
+    oem_iou_pct: Option<f64>,
+    identified: Option<f64>,
+    identified_union: Option<u16>,
+    targets_in_fov: Option<u16>,
+    violations: u64,
+    bytes_sent: u64,
+    alive: Vec<bool>,
+}
+
+/// `truth/metrics`: one point of the curves.
+pub fn metrics<M: Mission>(moment: &Moment<'_, M>) -> Document {
+    let point = Point::of(moment.rows);
+    let mean = |value: fn(&Means) -> f64| point.as_ref().map(|p| micro(value(&p.means)));
+    let some_mean =
+        |value: fn(&Means) -> Option<f64>| point.as_ref().and_then(|p| value(&p.means)).map(micro);
+    let mut alive = vec![false; moment.world.poses().len()];
+    for agent in &moment.trace.flown {
+        alive[usize::from(agent.agent.0)] = agent.report.is_some();
+    }
+    let metrics = Metrics {
+        step: moment.trace.step,
+        time_s: moment.time_s,
+        unexplored_pct: mean(|m| m.unexplored_pct),
+        hidden_pct: mean(|m| m.hidden_pct),
+        explored_pct: mean(|m| m.explored_pct),
+        footprint_pct: mean(|m| m.footprint_pct),
+        ground_seen_pct: mean(|m| m.ground_seen_pct),
+        localization_error_m: some_mean(|m| m.localization_error_m),
+        target_radius_m: some_mean(|m| m.target_radius_m),
+        oem_iou_pct: some_mean(|m| m.oem_iou_pct),
+        identified: point.as_ref().map(|p| micro(p.identified)),
+        identified_union: point.as_ref().map(|p| p.identified_union),
+        targets_in_fov: point.as_ref().map(|p| p.targets_in_fov),
+        violations: moment.violations,
+        bytes_sent: moment.trace.flown.iter().map(|flown| flown.bytes_sent).sum(),
+        alive,
+    };
+    Document::json("truth/metrics", &metrics)
+}
+
+/// `truth/lives`.
+#[derive(Debug, Serialize)]
+struct Life<'a> {
+    agent: AgentId,
+    #[serde(flatten)]
+    event: &'a LifeEvent,
+    time_s: f64,
+}
+
+/// `truth/lives`: a document for each life that ended or began in this step.
+pub fn lives<M: Mission>(trace: &StepTrace<M>, time_s: f64) -> Vec<Document> {
+    let document = |(agent, event): &(AgentId, LifeEvent)| {
+        Document::json("truth/lives", &Life { agent: *agent, event, time_s })
+    };
+    trace.lives.iter().map(document).collect()
+}

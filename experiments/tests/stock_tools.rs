@@ -1,0 +1,89 @@
+//! A running fleet, watched with tools that people already have: zenoh-cli and Python.
+
+#![cfg(unix)]
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use common::fleet::{end, endpoint, expect_nobody, signal, spawn, wait_for_flight};
+use common::{scratch, text};
+
+/// A Python with eclipse-zenoh, zenoh-cli and shapely: `CSAT_PYTHON`, else python3.
+fn python() -> Option<PathBuf> {
+    let python = std::env::var_os("CSAT_PYTHON").map_or_else(|| "python3".into(), PathBuf::from);
+    let imports = ["-c", "import zenoh, zenoh_cli, shapely"];
+    let probe = Command::new(&python).args(imports).stderr(Stdio::null()).status();
+    if probe.is_ok_and(|status| status.success()) {
+        return Some(python);
+    }
+    eprintln!(
+        "SKIPPED: {} has no zenoh, zenoh_cli and shapely; `pip install eclipse-zenoh==1.10.2 \
+         zenoh-cli shapely` and CSAT_PYTHON=…/bin/python",
+        python.display()
+    );
+    None
+}
+
+/// Runs a command until it has written that many lines, or ends.
+fn lines_of(command: &mut Command, wanted: usize) -> Vec<String> {
+    use std::io::BufRead;
+    let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
+    let stdout = std::io::BufReader::new(child.stdout.take().unwrap());
+    let lines = stdout.lines().map_while(Result::ok).take(wanted).collect();
+    let _ = child.kill();
+    let _ = child.wait();
+    lines
+}
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)
+}
+
+/// zenoh-cli, about to be told what to do.
+fn zenoh(python: &Path, endpoint: &str) -> Command {
+    let mut command = Command::new(python.with_file_name("zenoh"));
+    command.args(["--mode", "client", "--connect", endpoint]);
+    command
+}
+
+#[test]
+fn zenoh_cli_and_python_see_what_the_fleet_shows() {
+    let Some(python) = python() else { return };
+    let (folder, endpoint) = (scratch(), endpoint());
+    let fleet = spawn(folder.path(), &endpoint, "30000", &["--seed", "3"]);
+    wait_for_flight(folder.path());
+
+    let mut subscribe = zenoh(&python, &endpoint);
+    subscribe.args(["subscribe", "-k", "csat/*/view/*/unexplored", "--decoder", "json"]);
+    let shown = lines_of(subscribe.args(["--line", "{value}"]), 4);
+    let check = "import json, sys, shapely.geometry as g\n\
+                 for line in sys.argv[1:]:\n\
+                 \x20   [feature] = json.loads(line)['features']\n\
+                 \x20   shape = g.shape(feature['geometry'])\n\
+                 \x20   assert shape.is_valid and shape.area > 1, shape\n\
+                 \x20   assert abs(shape.area - feature['properties']['area_m2']) < 0.1, shape.area";
+    assert_eq!(shown.len(), 4);
+    let parsed = Command::new(&python).args(["-c", check]).args(&shown).output().unwrap();
+    assert!(parsed.status.success(), "{}\n{shown:?}", text(&parsed.stderr));
+
+    for (arguments, expected) in [
+        (&["get", "-s", "csat/3/view/1/pose", "--decoder", "json"][..], "\"footprint\""),
+        (&["get", "-s", "csat/3/truth/town", "--decoder", "json"], "\"building\""),
+        (&["get", "-s", "csat/3/state/0/oem", "--decoder", "json"], "\"occupied\""),
+        (&["liveliness", "get", "-k", "csat/*/alive/*"], "csat/3/alive/1"),
+    ] {
+        let output = zenoh(&python, &endpoint).args(arguments).output().unwrap();
+        let said = text(&output.stdout);
+        let found = said.contains(expected) || said.replace('\'', "\"").contains(expected);
+        assert!(found, "{arguments:?}: {said}{}", text(&output.stderr));
+    }
+
+    let script = lines_of(Command::new(&python).arg(example("targets.py")).arg(&endpoint), 2);
+    assert!(script.iter().all(|line| line.starts_with("car ")), "{script:?}");
+    assert_eq!(script.len(), 2);
+    signal(fleet.id(), "-INT");
+    assert_eq!(end(fleet).status.code(), Some(130));
+    expect_nobody(&endpoint);
+}
