@@ -58,9 +58,14 @@ impl Drop for Watching {
     }
 }
 
-/// `csat watch`, and the address that it said.
+/// `csat watch` of the recording in a folder, and the address that it said.
 fn watch(folder: &Path) -> (Watching, String) {
-    let mut command = common::command(folder, &["watch", ".", "--port", "0"]);
+    watch_with(folder, &["."])
+}
+
+fn watch_with(folder: &Path, arguments: &[&str]) -> (Watching, String) {
+    let arguments = [&["watch", "--port", "0"], arguments].concat();
+    let mut command = common::command(folder, &arguments);
     let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
     let mut line = String::new();
     BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
@@ -290,5 +295,56 @@ fn pictures_of_the_documentation() {
             picture(&mut browser, "fleet");
             shot(&mut browser, "phone-long");
         }
+    }
+}
+
+/// A fleet of processes in real time, seen in a browser.
+#[test]
+fn a_fleet_of_processes_shows_itself() {
+    let Some(mut browser) = browser() else { return };
+    let (folder, endpoint) = (common::scratch(), common::fleet::endpoint());
+    let fleet = common::fleet::spawn(
+        folder.path(),
+        &endpoint,
+        "3000",
+        &["--realtime", "10", "--seed", "3"],
+    );
+    let (_watching, address) = watch_with(folder.path(), &["--connect", &endpoint]);
+    browser.resize(1280, 800);
+    browser.open(&address);
+    browser.wait_for("document.getElementById('connection').textContent === 'live'");
+    browser.wait_for("document.querySelectorAll('#agents button').length === 2");
+    browser.wait_for("state.paths.get(1) && state.paths.get(1).length > 5");
+    assert_eq!(text(&mut browser, "title"), "city · seed 3");
+    let before = picture(&mut browser, "fleet");
+    browser.wait_for(&format!("({HASH})('fleet') !== {before}"));
+    assert_eq!(browser.complaints, Vec::<String>::new());
+    common::fleet::signal(fleet.id(), "-INT");
+    assert_eq!(common::fleet::end(fleet).status.code(), Some(130));
+}
+
+/// The pictures of running fleets in the documentation.
+#[test]
+#[ignore = "flies two fleets in real time: only for the pictures of the documentation"]
+fn pictures_of_running_fleets() {
+    let mut browser = browser().expect("a chromium");
+    for (scenario, at_s) in [("city", 150), ("helsinki-17", 120)] {
+        let (folder, endpoint) = (common::scratch(), common::fleet::endpoint());
+        let arguments = [
+            &["spawn", scenario, "--realtime", "4", "--listen", &endpoint, "--out", "out"][..],
+            &["--set", "netem.radio.range_m=250"],
+        ];
+        let fleet = common::fleet::process(folder.path(), &arguments.concat());
+        let (_watching, address) = watch_with(folder.path(), &["--connect", &endpoint]);
+        for (name, width, height) in [("desk", 1280, 800), ("phone", 360, 740)] {
+            browser.resize(width, height);
+            browser.open(&address);
+            let is_time = format!("typeof state === 'object' && state.time >= {at_s}");
+            common::fleet::wait_until("the fleet has flown", || browser.value(&is_time) == true);
+            picture(&mut browser, "fleet");
+            shot(&mut browser, &format!("live-{scenario}-{name}"));
+        }
+        common::fleet::signal(fleet.id(), "-INT");
+        common::fleet::end(fleet);
     }
 }
