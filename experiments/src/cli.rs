@@ -6,6 +6,8 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::process::arguments::{AgentArguments, WorldArguments, speed};
 use crate::process::spawn::SpawnArguments;
+use crate::tools::doctor::DoctorArguments;
+use crate::tools::echo::EchoArguments;
 use crate::watch::arguments::WatchArguments;
 use crate::wire::session::WireArguments;
 
@@ -27,6 +29,8 @@ Examples:
   csat check my.toml                        every mistake at once, with its line
   csat spawn                                the same as processes, each a Zenoh peer
   csat watch                                watch a fleet that flies in the browser
+  csat echo view/0/targets                  what a UAV says it knows
+  csat doctor                               why nothing is heard
   csat run --record && csat replay runs/city-seed1 --speed 10
   csat plot runs/city-seed1                 draw the pictures of a run again
 
@@ -56,6 +60,10 @@ pub enum Command {
     Replay(ReplayArguments),
     /// Show a fleet that flies, or a recorded run, as a live map in the browser
     Watch(WatchArguments),
+    /// Show what a fleet that flies says, a line for each, or how much
+    Echo(EchoArguments),
+    /// Tell who is in the network, what they say, and why a subscriber hears nothing
+    Doctor(DoctorArguments),
     /// Draw the pictures of a run folder again, from its view.json, summary.json and metrics.csv
     Plot {
         /// The run folder

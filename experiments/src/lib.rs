@@ -24,6 +24,7 @@
 //! | [`progress`], [`logs`] | what shows while it flies |
 //! | [`watch`] | a live map in the browser |
 //! | [`process`] | a fleet of processes: world, agents, and what spawns them |
+//! | [`tools`] | looking at a fleet from a terminal: `csat echo`, `csat doctor` |
 //! | [`wire`] | Zenoh: how a process reaches the others |
 //! | [`verdict`] | exit codes |
 //! | [`timing`], [`stages`] | the only clock |
@@ -53,6 +54,7 @@ pub mod sweep;
 #[cfg(test)]
 mod testing;
 pub mod timing;
+pub mod tools;
 pub mod verdict;
 pub mod view;
 pub mod watch;

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use tracing_subscriber::EnvFilter;
-use tracing_subscriber::filter::LevelFilter;
+use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::fmt::MakeWriter;
 use tracing_subscriber::layer::{Layer, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
@@ -35,7 +35,11 @@ impl Logs {
             .without_time()
             .with_ansi(false)
             .with_writer(InFile(logs.file.clone()))
-            .with_filter(LevelFilter::INFO);
+            .with_filter(
+                Targets::new()
+                    .with_default(LevelFilter::INFO)
+                    .with_target("zenoh", LevelFilter::WARN),
+            );
         // A second subscriber in one process (tests) is refused; then the first one stays.
         let _ =
             tracing_subscriber::registry().with(terminal).with(file).with(StageLayer).try_init();

@@ -16,11 +16,13 @@ fn main() -> ExitCode {
         Command::Run(arguments) => commands::run(arguments, &logs),
         Command::Spawn(arguments) => commands::spawn(arguments),
         Command::World(arguments) => commands::world(arguments, &logs),
-        Command::Agent(arguments) => commands::agent(arguments),
+        Command::Agent(arguments) => commands::agent(arguments, &logs),
         Command::Check(arguments) => commands::check(arguments),
         Command::Sweep(arguments) => commands::sweep(arguments),
         Command::Replay(arguments) => commands::replay(arguments),
         Command::Watch(arguments) => commands::watch(arguments),
+        Command::Echo(arguments) => commands::echo(arguments),
+        Command::Doctor(arguments) => commands::doctor(arguments),
         Command::Plot { dir } => commands::plot(dir),
     };
     match result {

@@ -39,6 +39,8 @@ fn lockstep_gives_to_the_last_byte_what_one_process_gives() {
             let of = |name: &str| read(&folder.path().join(name).join(file));
             assert!(of("alone") == of("out"), "{sets:?}: {file} differs");
         }
+        let log = read(&folder.path().join("out/agent-1.log"));
+        assert!(log.contains("the mission is over"), "{log}");
         expect_nobody(&endpoint);
     }
 }
@@ -191,4 +193,40 @@ fn bad_configurations_of_zenoh_are_refused() {
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(said.contains(expected), "{said}");
     }
+}
+
+/// Says what nobody understands, as fast as it goes.
+fn flood(endpoint: &str, seed: u64) {
+    use zenoh::Wait;
+    let mut config = zenoh::Config::default();
+    config.insert_json5("connect/endpoints", &format!("[\"{endpoint}\"]")).unwrap();
+    config.insert_json5("scouting/multicast/enabled", "false").unwrap();
+    let session = zenoh::open(config).wait().unwrap();
+    for number in 0..4_000u32 {
+        for name in ["link/1/0", "uav/0/command", "uav/1/report", "clock"] {
+            let junk = [&number.to_le_bytes()[..], b"{not a message"].concat();
+            session.put(format!("csat/{seed}/{name}"), junk).wait().unwrap();
+        }
+    }
+    // It may take its time, with all that is still to be sent.
+    let _ = session.close().wait();
+}
+
+#[test]
+fn a_peer_that_floods_changes_nothing() {
+    let digest = |flooded: bool| {
+        let (folder, endpoint) = (scratch(), endpoint());
+        let child = spawn(folder.path(), &endpoint, "600", &["--seed", "5"]);
+        if flooded {
+            wait_for_flight(folder.path());
+            flood(&endpoint, 5);
+        }
+        let output = end(child);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        assert_eq!(said.contains("not understood"), flooded, "{said}");
+        assert!(said.lines().count() < 200, "a flood of complaints: {said}");
+        json(&folder.path().join("out/summary.json"))["digest"].clone()
+    };
+    assert_eq!(digest(true), digest(false));
 }

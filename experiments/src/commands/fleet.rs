@@ -1,7 +1,11 @@
 //! The commands of a fleet of processes.
 
+use std::fs::File;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::Context;
 
 use csat_experiments::logs::Logs;
 use csat_experiments::mission::RunOptions;
@@ -25,7 +29,7 @@ pub fn spawn(arguments: &SpawnArguments) -> anyhow::Result<u8> {
 
 /// `csat world`.
 pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
-    let WorldArguments { run, pace, wire, leashed } = arguments;
+    let WorldArguments { run, pace, wire, leashed, logs: agents_logs } = arguments;
     let interrupted = super::interrupted_by_the_user()?;
     if *leashed {
         end_with_stdin(interrupted.clone());
@@ -39,10 +43,23 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
         }
     };
     let code = super::record(run, logs, |loaded, recorder, audience| {
-        Ok(world::fly(&session, loaded, pace, &options, recorder, audience)?)
+        let outcome = world::fly(&session, loaded, pace, &options, recorder, audience)?;
+        if let Some(folder) = agents_logs {
+            adopt(folder, recorder.partial_folder()).context("cannot keep the agents' logs")?;
+        }
+        Ok(outcome)
     });
     session::close(session);
     code
+}
+
+/// Moves the files of a folder into another one, which may be on another disk.
+fn adopt(from: &Path, to: &Path) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(from)? {
+        let entry = entry?;
+        std::fs::copy(entry.path(), to.join(entry.file_name()))?;
+    }
+    std::fs::remove_dir_all(from)
 }
 
 /// Whoever holds the other end of standard input is gone: the mission ends.
@@ -54,12 +71,13 @@ fn end_with_stdin(interrupted: Arc<AtomicBool>) {
 }
 
 /// `csat agent`.
-pub fn agent(arguments: &AgentArguments) -> anyhow::Result<u8> {
+pub fn agent(arguments: &AgentArguments, logs: &Logs) -> anyhow::Result<u8> {
+    if let Some(path) = &arguments.log {
+        let file = File::options().create(true).append(true).open(path);
+        logs.attach(file.with_context(|| format!("cannot write to `{}`", path.display()))?);
+    }
     match agent::fly(arguments) {
-        Ok(reason) => {
-            tracing::info!(agent = arguments.id, reason, "ended");
-            Ok(DONE)
-        }
+        Ok(_) => Ok(DONE),
         Err(error @ (AgentError::Wire(_) | AgentError::Refused { .. })) => {
             eprintln!("error: {error}");
             Ok(BAD_INPUT)

@@ -3,6 +3,7 @@
 mod fleet;
 mod replay;
 mod sweep;
+mod tools;
 mod watch;
 
 use std::fs::File;
@@ -28,6 +29,7 @@ use csat_experiments::verdict::{BAD_INPUT, DONE, verdict};
 pub use fleet::{agent, spawn, world};
 pub use replay::replay;
 pub use sweep::sweep;
+pub use tools::{doctor, echo};
 pub use watch::watch;
 
 fn load(arguments: &ScenarioArguments) -> Result<Loaded, Mistakes> {

@@ -210,6 +210,8 @@ struct Shell {
     since_probe: Stopwatch,
     /// Who waits to be told what the agent knows.
     asked: Vec<Query>,
+    /// Frames that it was too slow for.
+    skipped: u64,
 }
 
 impl Shell {
@@ -253,6 +255,7 @@ impl Shell {
             turn: None,
             since_probe: Stopwatch::start(),
             asked: Vec::new(),
+            skipped: 0,
         })
     }
 
@@ -262,6 +265,8 @@ impl Shell {
             self.give_signs_of_life();
             match self.desk.next(self.wait_limit()) {
                 None => self.idle()?,
+                // Nobody waits for whoever is slow: it looks at the newest frame only.
+                Some(News::Frame(..)) if self.is_late() => self.skipped += 1,
                 Some(News::Frame(header, pixels)) => self.look(&header, &pixels)?,
                 Some(News::Order(Order::Turn { step, round, now, said })) => {
                     let waiting = Stopwatch::start();
@@ -272,7 +277,13 @@ impl Shell {
                     self.report(if full { Detail::Full } else { Detail::Brief });
                 }
                 Some(News::Order(Order::Show)) => self.report(Detail::Full),
-                Some(News::Order(Order::End { reason })) => return Ok(reason),
+                Some(News::Order(Order::End { reason })) => {
+                    if self.skipped > 0 {
+                        tracing::warn!(agent = %self.id, frames = self.skipped, "too slow for them");
+                    }
+                    tracing::info!(agent = %self.id, reason, "ends");
+                    return Ok(reason);
+                }
                 Some(News::Link(src, bytes)) => self.hear(src, bytes),
                 Some(News::Probe(agent, probe)) => self.probed(agent, probe),
                 Some(News::Gone(agent)) => {
@@ -294,6 +305,11 @@ impl Shell {
                 Some(News::End(who)) => return Err(AgentError::Ended(who)),
             }
         }
+    }
+
+    /// Whether a newer frame than the one in hand has come already.
+    fn is_late(&self) -> bool {
+        self.pace != Pace::Lockstep && self.desk.has_newer_frame()
     }
 
     /// Until it flies, whatever it hears meanwhile.

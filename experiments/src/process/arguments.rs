@@ -1,5 +1,6 @@
 //! The command lines of a fleet's processes.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
@@ -22,6 +23,9 @@ pub struct WorldArguments {
     /// End when standard input ends: whoever spawned this process is gone
     #[arg(long, hide = true)]
     pub leashed: bool,
+    /// A folder with the agents' logs, to be moved into the run folder at the end
+    #[arg(long, hide = true, value_name = "DIR")]
+    pub logs: Option<PathBuf>,
 }
 
 /// `csat agent`.
@@ -36,6 +40,9 @@ pub struct AgentArguments {
     /// How long to wait for the world and for others before giving up, seconds
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = patience)]
     pub patience: Duration,
+    /// Append what there is to tell to a file, too
+    #[arg(long, value_name = "FILE")]
+    pub log: Option<PathBuf>,
     /// Where to listen and connect.
     #[command(flatten)]
     pub wire: WireArguments,

@@ -1,5 +1,6 @@
 //! An agent's Zenoh keys: what its process hears, says and shows.
 
+use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::time::Duration;
 
@@ -15,6 +16,7 @@ use zenoh::sample::{Locality, Sample, SampleKind};
 use zenoh::{Session, Wait};
 
 use crate::seat::Said;
+use crate::wire::rarely::Rarely;
 
 /// How long others may take to answer what they know.
 const ANSWER_LIMIT: Duration = Duration::from_secs(5);
@@ -47,9 +49,14 @@ pub enum News {
     End(&'static str),
 }
 
+/// What was not understood so far.
+static NOT_UNDERSTOOD: Rarely = Rarely::new();
+
 /// An agent's side of the wire.
 pub struct Desk {
     news: Receiver<News>,
+    /// What has come and is not read yet.
+    backlog: VecDeque<News>,
     sender: SyncSender<News>,
     probe: Publisher<'static>,
     links: Vec<Publisher<'static>>,
@@ -127,13 +134,20 @@ impl Desk {
             keys,
             _token: session.liveliness().declare_token(keys.alive(id)).wait()?,
             news,
+            backlog: VecDeque::new(),
             sender,
         })
     }
 
     /// What comes next within `limit`.
-    pub fn next(&self, limit: Duration) -> Option<News> {
-        self.news.recv_timeout(limit).ok()
+    pub fn next(&mut self, limit: Duration) -> Option<News> {
+        self.backlog.extend(self.news.try_iter());
+        self.backlog.pop_front().or_else(|| self.news.recv_timeout(limit).ok())
+    }
+
+    /// Whether a frame waits that is newer than the one in hand.
+    pub fn has_newer_frame(&self) -> bool {
+        self.backlog.iter().any(|news| matches!(news, News::Frame(..)))
     }
 
     /// Where others may leave news.
@@ -205,7 +219,12 @@ fn json<T: serde::de::DeserializeOwned>(sample: &Sample) -> Option<T> {
 fn parse<T: serde::de::DeserializeOwned>(sample: &Sample, bytes: &[u8]) -> Option<T> {
     let key = sample.key_expr();
     let read = serde_json::from_slice(bytes);
-    read.inspect_err(|error| tracing::warn!(%key, %error, "not understood")).ok()
+    let complain = |error: &serde_json::Error| {
+        if let Some(times) = NOT_UNDERSTOOD.another() {
+            tracing::warn!(%key, %error, times, "not understood");
+        }
+    };
+    read.inspect_err(complain).ok()
 }
 
 /// A callback that reads a sample and queues what it says; never blocks.
@@ -213,12 +232,14 @@ fn hearing(
     sender: &SyncSender<News>,
     read: fn(&Sample) -> Option<News>,
 ) -> impl Fn(Sample) + Send + Sync + 'static {
-    let sender = sender.clone();
+    let (sender, missed) = (sender.clone(), Rarely::new());
     move |sample: Sample| {
         if let Some(news) = read(&sample)
             && let Err(TrySendError::Full(_)) = sender.try_send(news)
         {
-            tracing::error!(key = %sample.key_expr(), "too much to hear: dropped");
+            if let Some(times) = missed.another() {
+                tracing::error!(key = %sample.key_expr(), times, "too much to hear: dropped");
+            }
         }
     }
 }

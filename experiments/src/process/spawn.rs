@@ -57,6 +57,9 @@ pub enum SpawnError {
     /// No port.
     #[error("there is no free port on 127.0.0.1: {0}")]
     Port(io::Error),
+    /// Nowhere to write logs to.
+    #[error("there is no temporary folder for logs: {0}")]
+    Logs(io::Error),
     /// No process.
     #[error("cannot start `{what}`: {error}")]
     Start {
@@ -88,7 +91,9 @@ async fn watch(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, SpawnE
         Some(endpoint) => endpoint.clone(),
         None => free_endpoint().map_err(SpawnError::Port)?,
     };
-    let nursery = Nursery { arguments, endpoint, seed: loaded.scenario.seed };
+    let logs = tempfile::Builder::new().prefix("csat-logs-").tempdir().map_err(SpawnError::Logs)?;
+    let nursery =
+        Nursery { arguments, endpoint, seed: loaded.scenario.seed, logs: logs.path().to_owned() };
     let stop = |kind| signal(kind).map_err(SpawnError::Watch);
     let mut stops = (stop(SignalKind::interrupt())?, stop(SignalKind::terminate())?);
     let mut world = nursery.world()?;
@@ -161,6 +166,8 @@ struct Nursery<'a> {
     arguments: &'a SpawnArguments,
     endpoint: String,
     seed: u64,
+    /// Where agents write their logs; the world takes them over at the end.
+    logs: PathBuf,
 }
 
 impl Nursery<'_> {
@@ -184,7 +191,7 @@ impl Nursery<'_> {
         }
         option(&mut command, "--realtime", pace.realtime.as_ref());
         command.args(["--patience", &pace.patience.as_secs().to_string()]);
-        command.args(["--listen", &self.endpoint]);
+        command.args(["--listen", &self.endpoint]).arg("--logs").arg(&self.logs);
         start(command, "csat world")
     }
 
@@ -198,6 +205,7 @@ impl Nursery<'_> {
         let mut command = self.command("agent")?;
         command.args(["--id", &id.to_string(), "--run", &self.seed.to_string()]);
         command.args(["--patience", &self.arguments.pace.patience.as_secs().to_string()]);
+        command.arg("--log").arg(self.logs.join(format!("agent-{id}.log")));
         command.args(["--connect", &self.endpoint]).stdout(Stdio::null());
         agents.spawn(async move {
             tokio::time::sleep(delay).await;

@@ -184,7 +184,7 @@ fn set_endpoints(
 }
 
 /// Zenoh's errors go on with where in its source they arose.
-fn first_line(text: &str) -> String {
+pub(crate) fn first_line(text: &str) -> String {
     let line = text.lines().next().unwrap_or_default();
     line.split(" at /").next().unwrap_or(line).trim_end_matches('.').to_owned()
 }

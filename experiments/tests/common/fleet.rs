@@ -5,7 +5,9 @@
 use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use csat_experiments::timing::Stopwatch;
 
 use super::{SMALL, command};
 
@@ -33,9 +35,9 @@ pub fn processes(endpoint: &str) -> Vec<(u32, String)> {
 /// Waits until `happens`.
 #[track_caller]
 pub fn wait_until(what: &str, mut happens: impl FnMut() -> bool) {
-    let start = Instant::now();
+    let watch = Stopwatch::start();
     while !happens() {
-        assert!(start.elapsed() < LIMIT, "waited in vain: {what}");
+        assert!(!watch.left(LIMIT).is_zero(), "waited in vain: {what}");
         std::thread::sleep(Duration::from_millis(20));
     }
 }

@@ -32,6 +32,7 @@ use super::{Brief, Fleet, Flown};
 use crate::plug::{Detail, Mission};
 use crate::stages;
 use crate::timing::{StageTimes, Stopwatch};
+use crate::wire::rarely::Rarely;
 
 /// The part of a period after which a step in real time is closed.
 const CLOSE_SHARE: f64 = 0.8;
@@ -90,6 +91,8 @@ pub struct RemoteFleet<M: Mission> {
     render_times: Vec<StageTimes>,
     /// Since the first frame, in real time.
     clock: Option<Stopwatch>,
+    /// Reports that were not understood.
+    damaged: Rarely,
 }
 
 impl<M: Mission> RemoteFleet<M> {
@@ -116,6 +119,7 @@ impl<M: Mission> RemoteFleet<M> {
             pace,
             patience,
             clock: None,
+            damaged: Rarely::new(),
         }
     }
 
@@ -197,7 +201,11 @@ impl<M: Mission> RemoteFleet<M> {
                 member.is_new = true;
             }
             Ok(_) => {}
-            Err(error) => tracing::warn!(%agent, %error, "report dropped"),
+            Err(error) => {
+                if let Some(times) = self.damaged.another() {
+                    tracing::warn!(%agent, %error, times, "report not understood");
+                }
+            }
         }
     }
 

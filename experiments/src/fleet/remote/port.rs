@@ -16,8 +16,13 @@ use zenoh::query::{Query, Queryable};
 use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Session, Wait};
 
+use crate::wire::rarely::Rarely;
+
 /// How much may wait to be read: a few rounds of a fleet of hundreds.
 const QUEUE: usize = 16_384;
+
+/// What was not understood so far.
+static NOT_UNDERSTOOD: Rarely = Rarely::new();
 
 /// What processes say to the world.
 #[derive(Debug)]
@@ -161,7 +166,12 @@ fn put(put: zenoh::pubsub::PublisherPutBuilder<'_>) {
 fn json<T: serde::de::DeserializeOwned>(sample: &Sample) -> Option<T> {
     let read = serde_json::from_slice(&sample.payload().to_bytes());
     let key = sample.key_expr();
-    read.inspect_err(|error| tracing::warn!(%key, %error, "not understood")).ok()
+    let complain = |error: &serde_json::Error| {
+        if let Some(times) = NOT_UNDERSTOOD.another() {
+            tracing::warn!(%key, %error, times, "not understood");
+        }
+    };
+    read.inspect_err(complain).ok()
 }
 
 /// A callback that reads a sample of an agent and queues what it says; never blocks.
@@ -170,14 +180,16 @@ fn hearing(
     below: &'static str,
     read: fn(AgentId, &Sample) -> Option<News>,
 ) -> impl Fn(Sample) + Send + Sync + 'static {
-    let sender = sender.clone();
+    let (sender, missed) = (sender.clone(), Rarely::new());
     move |sample: Sample| {
         let named = split(sample.key_expr().as_str()).and_then(|(_, n)| split_agent(n, below));
         let news = named.and_then(|(agent, _)| read(agent, &sample));
         if let Some(news) = news
             && let Err(TrySendError::Full(_)) = sender.try_send(news)
         {
-            tracing::error!(key = %sample.key_expr(), "too much to read: dropped");
+            if let Some(times) = missed.another() {
+                tracing::error!(key = %sample.key_expr(), times, "too much to read: dropped");
+            }
         }
     }
 }
