@@ -6,10 +6,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::camera::Pose;
+use crate::camera::{CameraModel, Pose};
 use crate::command::YawCommand;
-use crate::frame::Detection;
-use crate::ids::{AgentId, Incarnation, RunId};
+use crate::frame::{Detection, Label, PixelBox};
+use crate::ids::{AgentId, Incarnation, RunId, TargetId};
 use crate::time::{SimTime, Step};
 
 /// The version of this protocol: processes of another one are refused.
@@ -92,6 +92,100 @@ pub struct FrameHeader {
     pub said: Vec<SaidSoFar>,
 }
 
+/// Why a frame is not believed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum HeaderError {
+    /// Its instant is not that of its step.
+    #[error("step {step} is at {got_s} s, expected {expected_s} s")]
+    Time {
+        /// k.
+        step: Step,
+        /// What it says.
+        got_s: f64,
+        /// k·T.
+        expected_s: f64,
+    },
+    /// Nobody can be there.
+    #[error("the UAV is at {p_world:?}: expected finite metres above the ground")]
+    Pose {
+        /// Where it says.
+        p_world: [f64; 3],
+    },
+    /// Targets out of order, or twice.
+    #[error("detections of targets {0} and {1}: expected each target once, by increasing index")]
+    Order(TargetId, TargetId),
+    /// A box outside the image, or the wrong way round.
+    #[error("target {target} in columns {columns:?} and rows {rows:?} of {image:?} pixels")]
+    Outside {
+        /// Which target.
+        target: TargetId,
+        /// First and last column.
+        columns: [u16; 2],
+        /// First and last row.
+        rows: [u16; 2],
+        /// Columns and rows of the image.
+        image: [u16; 2],
+    },
+    /// A box without what it is around.
+    #[error("the box of target {0} has no pixel labelled Target")]
+    Empty(TargetId),
+}
+
+impl FrameHeader {
+    /// Checks what the guarantee rests on and a world may get wrong: the instant of the step, a pose
+    /// above the ground, and detections with a Target pixel each. `labels` are the frame's pixels.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check(
+        &self,
+        camera: &CameraModel,
+        period_s: f64,
+        labels: &[Label],
+    ) -> Result<(), HeaderError> {
+        let step = self.step;
+        for (step, time) in [(step, self.time), (Step(step.0.saturating_add(1)), self.next)] {
+            let expected = SimTime::from_seconds(f64::from(step.0) * period_s);
+            if time.0.abs_diff(expected.0) > 1 {
+                let (got_s, expected_s) = (time.seconds(), expected.seconds());
+                return Err(HeaderError::Time { step, got_s, expected_s });
+            }
+        }
+        let Pose { p_world, yaw_rad, pitch_rad, roll_rad } = self.pose;
+        let angles = [yaw_rad, pitch_rad, roll_rad];
+        if !(p_world.iter().chain(&angles).all(|x| x.is_finite()) && p_world[2] > 0.0) {
+            return Err(HeaderError::Pose { p_world });
+        }
+        if let Some([a, b]) = self.detections.array_windows().find(|[a, b]| a.target >= b.target) {
+            return Err(HeaderError::Order(a.target, b.target));
+        }
+        self.detections.iter().try_for_each(|detection| check_box(detection, camera, labels))
+    }
+}
+
+fn check_box(
+    detection: &Detection,
+    camera: &CameraModel,
+    labels: &[Label],
+) -> Result<(), HeaderError> {
+    let &Detection { target, pixels: PixelBox { columns, rows } } = detection;
+    let image = [camera.columns, camera.rows];
+    let is_in = |[first, last]: [u16; 2], end: u16| first <= last && last < end;
+    if !(is_in(columns, image[0]) && is_in(rows, image[1])) {
+        return Err(HeaderError::Outside { target, columns, rows, image });
+    }
+    let row = |row: u16| {
+        let start = usize::from(row) * usize::from(camera.columns);
+        labels.get(start + usize::from(columns[0])..=start + usize::from(columns[1]))
+    };
+    let mut pixels = (rows[0]..=rows[1]).filter_map(row).flatten();
+    if pixels.any(|label| *label == Label::Target) {
+        Ok(())
+    } else {
+        Err(HeaderError::Empty(target))
+    }
+}
+
 /// What the world says to all, on `clock`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "order", rename_all = "kebab-case")]
@@ -149,4 +243,51 @@ pub struct Done {
     pub due: Option<SimTime>,
     /// What the UAV is to do.
     pub commands: Vec<YawCommand>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header() -> FrameHeader {
+        let seen = |target: u16, first: u16| Detection {
+            target: TargetId(target),
+            pixels: PixelBox { columns: [first, first + 1], rows: [0, 1] },
+        };
+        FrameHeader {
+            step: Step(4),
+            time: SimTime::from_seconds(2.0),
+            next: SimTime::from_seconds(2.5),
+            pose: Pose::level([0.0, 0.0, 50.0], 0.0),
+            incarnation: Some(Incarnation(0)),
+            detections: vec![seen(1, 0), seen(3, 2)],
+            said: Vec::new(),
+        }
+    }
+
+    /// 4 x 2 pixels, with a Target in each box of [`header`].
+    fn check(change: impl FnOnce(&mut FrameHeader, &mut [Label; 8])) -> Result<(), HeaderError> {
+        let camera = CameraModel { columns: 4, rows: 2, ..CameraModel::default() };
+        let mut labels = [Label::Ground; 8];
+        (labels[0], labels[7]) = (Label::Target, Label::Target);
+        let mut header = header();
+        change(&mut header, &mut labels);
+        header.check(&camera, 0.5, &labels)
+    }
+
+    #[test]
+    fn what_the_guarantee_rests_on_is_checked() {
+        assert_eq!(check(|_, _| ()), Ok(()));
+        let error = check(|h, _| h.time = SimTime::from_seconds(6.0)).unwrap_err();
+        assert_eq!(error.to_string(), "step 4 is at 6 s, expected 2 s");
+        assert!(check(|h, _| h.next = SimTime::from_seconds(7.5)).is_err());
+        assert!(check(|h, _| h.pose.p_world[2] = -1.0).is_err());
+        assert!(check(|h, _| h.pose.yaw_rad = f64::NAN).is_err());
+        let twice = check(|h, _| h.detections[1].target = TargetId(1));
+        assert_eq!(twice, Err(HeaderError::Order(TargetId(1), TargetId(1))));
+        let outside = check(|h, _| h.detections[1].pixels.columns = [3, 4]);
+        assert!(matches!(outside, Err(HeaderError::Outside { .. })));
+        let empty = check(|_, labels| labels[7] = Label::Obstacle);
+        assert_eq!(empty, Err(HeaderError::Empty(TargetId(3))));
+    }
 }

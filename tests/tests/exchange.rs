@@ -1,6 +1,7 @@
 //! Agents that hear each other badly, or hear what they should not believe.
 
 mod exchange {
+    pub mod answers;
     pub mod budget;
     pub mod hops;
     pub mod letters;

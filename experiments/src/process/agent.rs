@@ -8,16 +8,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use csat_netem::link::Links;
+use csat_proto::camera::CameraModel;
 use csat_proto::control::{
-    Done, FrameHeader, Join, Order, PROTOCOL, Pace, Probe, Ready, SaidSoFar, Welcome,
+    Done, FrameHeader, HeaderError, Join, Order, PROTOCOL, Pace, Probe, Ready, SaidSoFar, Welcome,
 };
 use csat_proto::frame::Frame;
 use csat_proto::frame_wire::{self, PixelsError};
 use csat_proto::ids::{AgentId, ChannelId, RunId};
-use csat_proto::keys::Keys;
+use csat_proto::keys::{self, Keys};
 use csat_proto::time::{SimTime, Step};
 use csat_world::world::{World, WorldErrors};
 use zenoh::query::Query;
+use zenoh::sample::Sample;
 use zenoh::{Session, Wait};
 
 use super::arguments::AgentArguments;
@@ -90,6 +92,20 @@ pub enum AgentError {
         /// What is wrong.
         error: PixelsError,
     },
+    /// What comes with a frame.
+    #[error("the world's frame cannot be believed: {0}")]
+    Header(#[from] HeaderError),
+    /// The world holds no token.
+    #[error("waited {limit_s} s for the world's liveliness token `{key}`")]
+    NoToken {
+        /// The key.
+        key: String,
+        /// How long.
+        limit_s: u64,
+    },
+    /// The world's scenario.
+    #[error("the world's scenario is not understood: {0}")]
+    Scenario(String),
     /// A message that was announced does not come.
     #[error(
         "waited {limit_s} s at step {step} for message {number} of UAV {from} on radio {radio}"
@@ -150,8 +166,7 @@ fn join(
         let replies = session.get(&key).payload(&payload).timeout(ANSWER_LIMIT).wait();
         if let Ok(reply) = replies.map_err(zenoh_error)?.recv() {
             return match reply.into_result() {
-                Ok(sample) => serde_json::from_slice::<Welcome>(&sample.payload().to_bytes())
-                    .map_err(|error| AgentError::Version(error.to_string())),
+                Ok(sample) => welcome(&sample),
                 Err(error) => Err(AgentError::Refused {
                     agent,
                     reason: String::from_utf8_lossy(&error.payload().to_bytes()).into_owned(),
@@ -164,6 +179,16 @@ fn join(
             return Err(AgentError::NoWorld { key, connect, limit_s });
         }
         std::thread::sleep(ASK_PERIOD);
+    }
+}
+
+fn welcome(sample: &Sample) -> Result<Welcome, AgentError> {
+    let welcome: Welcome = serde_json::from_slice(&sample.payload().to_bytes())
+        .map_err(|error| AgentError::Version(error.to_string()))?;
+    let key = sample.key_expr();
+    match keys::split(key.as_str()) {
+        Some((run, _)) if run == welcome.run => Ok(welcome),
+        _ => Err(AgentError::Version(format!("of run {} under `{key}`", welcome.run))),
     }
 }
 
@@ -194,7 +219,8 @@ struct Shell {
     pace: Pace,
     patience: Duration,
     mission: SetMembership,
-    pixels: usize,
+    camera: CameraModel,
+    period_s: f64,
     seat: Seat<SetMembership>,
     desk: Desk,
     mirror: Mirror,
@@ -210,6 +236,8 @@ struct Shell {
     since_probe: Stopwatch,
     /// Who waits to be told what the agent knows.
     asked: Vec<Query>,
+    is_world_here: bool,
+    since_start: Stopwatch,
     /// Frames that it was too slow for.
     skipped: u64,
 }
@@ -226,7 +254,7 @@ impl Shell {
             return Err(AgentError::Version(format!("protocol {got}, expected {PROTOCOL}")));
         }
         let scenario: Scenario = toml::from_str(&welcome.scenario)
-            .map_err(|error| AgentError::Version(error.message().to_owned()))?;
+            .map_err(|error| AgentError::Scenario(error.message().to_owned()))?;
         let id = AgentId(arguments.id);
         let channels = scenario.netem.all_channels().count();
         let mission = SetMembership::new(&scenario);
@@ -242,7 +270,8 @@ impl Shell {
             process,
             pace: welcome.pace,
             patience: arguments.patience,
-            pixels: scenario.camera.pixels(),
+            camera: scenario.camera,
+            period_s: scenario.run.period_s,
             seat: Seat::new(&mission, id, links),
             mission,
             desk,
@@ -255,6 +284,8 @@ impl Shell {
             turn: None,
             since_probe: Stopwatch::start(),
             asked: Vec::new(),
+            is_world_here: false,
+            since_start: Stopwatch::start(),
             skipped: 0,
         })
     }
@@ -262,7 +293,7 @@ impl Shell {
     /// Until the mission is over.
     fn run(mut self) -> Result<String, AgentError> {
         loop {
-            self.give_signs_of_life();
+            self.give_signs_of_life()?;
             match self.desk.next(self.wait_limit()) {
                 None => self.idle()?,
                 // Nobody waits for whoever is slow: it looks at the newest frame only.
@@ -301,6 +332,7 @@ impl Shell {
                     self.mirror.answer(picture, query);
                 }
                 Some(News::Answer(agent, bytes)) => self.catch_up(agent, bytes),
+                Some(News::WorldHere) => self.is_world_here = true,
                 Some(News::WorldGone) => return Err(AgentError::WorldGone(self.id)),
                 Some(News::End(who)) => return Err(AgentError::Ended(who)),
             }
@@ -313,14 +345,20 @@ impl Shell {
     }
 
     /// Until it flies, whatever it hears meanwhile.
-    fn give_signs_of_life(&mut self) {
+    fn give_signs_of_life(&mut self) -> Result<(), AgentError> {
         if self.clock.is_some() || !self.since_probe.left(PROBE_PERIOD).is_zero() {
-            return;
+            return Ok(());
+        }
+        // Without its token the end of the world would not be noticed.
+        if !self.is_world_here && self.since_start.left(self.patience).is_zero() {
+            let (key, limit_s) = (self.keys.alive_world(), self.patience.as_secs());
+            return Err(AgentError::NoToken { key, limit_s });
         }
         self.since_probe = Stopwatch::start();
         self.desk.probe(&Probe { process: self.process, answer: true });
         // Said again in case the world was not listening yet.
         self.desk.ready(&self.readiness());
+        Ok(())
     }
 
     fn readiness(&self) -> Ready {
@@ -410,8 +448,9 @@ impl Shell {
         }
         self.seat.begin(&self.mission, incarnation, &pose);
         if incarnation.is_some() {
-            let (labels, depth) = frame_wire::decode(pixels, self.pixels)
+            let (labels, depth) = frame_wire::decode(pixels, self.camera.pixels())
                 .map_err(|error| AgentError::Frame { step, error })?;
+            header.check(&self.camera, self.period_s, &labels)?;
             let detections = header.detections.clone();
             self.seat.look(time, || Frame { step, pose, labels, depth, detections });
         }

@@ -1,7 +1,7 @@
 //! An agent's Zenoh keys: what its process hears, says and shows.
 
 use std::collections::VecDeque;
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Duration;
 
 use csat_proto::control::{Done, FrameHeader, Order, Pace, Probe, Ready};
@@ -16,7 +16,7 @@ use zenoh::sample::{Locality, Sample, SampleKind};
 use zenoh::{Session, Wait};
 
 use crate::seat::Said;
-use crate::wire::rarely::Rarely;
+use crate::wire::hearing::{json, parse, queueing};
 
 /// How long others may take to answer what they know.
 const ANSWER_LIMIT: Duration = Duration::from_secs(5);
@@ -37,6 +37,8 @@ pub enum News {
     Probe(AgentId, Probe),
     /// Another agent's process is gone.
     Gone(AgentId),
+    /// The world is there.
+    WorldHere,
     /// The world is gone.
     WorldGone,
     /// Somebody wants to know what the agent knows.
@@ -48,9 +50,6 @@ pub enum News {
     /// Somebody wants this process to end: who.
     End(&'static str),
 }
-
-/// What was not understood so far.
-static NOT_UNDERSTOOD: Rarely = Rarely::new();
 
 /// An agent's side of the wire.
 pub struct Desk {
@@ -100,13 +99,14 @@ impl Desk {
             session
                 .declare_subscriber(key)
                 .allowed_origin(Locality::Remote)
-                .callback(hearing(&sender, read))
+                .callback(queueing(&sender, read))
                 .wait()
         };
         let alive = session
             .liveliness()
             .declare_subscriber(keys.of("alive/*"))
-            .callback(hearing(&sender, presence))
+            .history(true)
+            .callback(queueing(&sender, presence))
             .wait()?;
         let subscribers = vec![
             subscribe(keys.links(), link)?,
@@ -212,38 +212,6 @@ fn put(put: zenoh::pubsub::PublisherPutBuilder<'_>) {
     }
 }
 
-fn json<T: serde::de::DeserializeOwned>(sample: &Sample) -> Option<T> {
-    parse(sample, &sample.payload().to_bytes())
-}
-
-fn parse<T: serde::de::DeserializeOwned>(sample: &Sample, bytes: &[u8]) -> Option<T> {
-    let key = sample.key_expr();
-    let read = serde_json::from_slice(bytes);
-    let complain = |error: &serde_json::Error| {
-        if let Some(times) = NOT_UNDERSTOOD.another() {
-            tracing::warn!(%key, %error, times, "not understood");
-        }
-    };
-    read.inspect_err(complain).ok()
-}
-
-/// A callback that reads a sample and queues what it says; never blocks.
-fn hearing(
-    sender: &SyncSender<News>,
-    read: fn(&Sample) -> Option<News>,
-) -> impl Fn(Sample) + Send + Sync + 'static {
-    let (sender, missed) = (sender.clone(), Rarely::new());
-    move |sample: Sample| {
-        if let Some(news) = read(&sample)
-            && let Err(TrySendError::Full(_)) = sender.try_send(news)
-        {
-            if let Some(times) = missed.another() {
-                tracing::error!(key = %sample.key_expr(), times, "too much to hear: dropped");
-            }
-        }
-    }
-}
-
 fn asking(
     sender: &SyncSender<News>,
     news: fn(Query) -> News,
@@ -275,11 +243,12 @@ fn frame(sample: &Sample) -> Option<News> {
 }
 
 fn presence(sample: &Sample) -> Option<News> {
-    if sample.kind() != SampleKind::Delete {
-        return None;
-    }
-    match name(sample)? {
-        "alive/world" => Some(News::WorldGone),
-        name => split_agent(name, "alive").map(|(agent, _)| News::Gone(agent)),
+    match (name(sample)?, sample.kind()) {
+        ("alive/world", SampleKind::Put) => Some(News::WorldHere),
+        ("alive/world", SampleKind::Delete) => Some(News::WorldGone),
+        (_, SampleKind::Put) => None,
+        (name, SampleKind::Delete) => {
+            split_agent(name, "alive").map(|(agent, _)| News::Gone(agent))
+        }
     }
 }

@@ -23,6 +23,7 @@ pub mod world;
 /// A number that no other process has.
 pub fn process_number() -> u64 {
     use std::hash::{BuildHasher, Hasher, RandomState};
-    // The standard library's only source of randomness; it names a process and decides nothing.
-    RandomState::new().build_hasher().finish()
+    // The standard library's only source of randomness; it names a process and decides nothing. As
+    // JSON it must fit the numbers of other languages.
+    RandomState::new().build_hasher().finish() >> 11
 }

@@ -1,4 +1,5 @@
 //! Zenoh: how a process reaches the others.
 
+pub mod hearing;
 pub mod rarely;
 pub mod session;

@@ -1,6 +1,6 @@
 //! The world's Zenoh keys: what it hears from processes and says to them.
 
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Duration;
 
 use csat_proto::control::{Done, FrameHeader, Join, Order, Ready, Welcome};
@@ -16,13 +16,10 @@ use zenoh::query::{Query, Queryable};
 use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Session, Wait};
 
-use crate::wire::rarely::Rarely;
+use crate::wire::hearing::{json, queueing};
 
 /// How much may wait to be read: a few rounds of a fleet of hundreds.
 const QUEUE: usize = 16_384;
-
-/// What was not understood so far.
-static NOT_UNDERSTOOD: Rarely = Rarely::new();
 
 /// What processes say to the world.
 #[derive(Debug)]
@@ -51,7 +48,7 @@ impl JoinQuery {
     /// It may.
     pub fn welcome(self, welcome: &Welcome) {
         let text = serde_json::to_string(welcome).expect("a welcome is JSON");
-        let reply = self.query.reply(self.query.key_expr().clone(), text);
+        let reply = self.query.reply(Keys(welcome.run).join(self.join.agent), text);
         if let Err(error) = reply.encoding(Encoding::APPLICATION_JSON).wait() {
             tracing::warn!(%error, "cannot answer a process");
         }
@@ -96,7 +93,10 @@ impl Port {
                 .wait()
         };
         let subscribe = |key: &str, read: fn(AgentId, &Sample) -> Option<News>| {
-            session.declare_subscriber(keys.of(key)).callback(hearing(&sender, "uav", read)).wait()
+            session
+                .declare_subscriber(keys.of(key))
+                .callback(queueing(&sender, of_agent("uav", read)))
+                .wait()
         };
         let gone = |agent, sample: &Sample| {
             (sample.kind() == SampleKind::Delete).then_some(News::Gone(agent))
@@ -104,7 +104,7 @@ impl Port {
         let alive = session
             .liveliness()
             .declare_subscriber(keys.of("alive/*"))
-            .callback(hearing(&sender, "alive", gone))
+            .callback(queueing(&sender, of_agent("alive", gone)))
             .wait()?;
         let subscribers = vec![
             subscribe("uav/*/ready", |agent, s| Some(News::Ready(agent, json(s)?)))?,
@@ -163,34 +163,15 @@ fn put(put: zenoh::pubsub::PublisherPutBuilder<'_>) {
     }
 }
 
-fn json<T: serde::de::DeserializeOwned>(sample: &Sample) -> Option<T> {
-    let read = serde_json::from_slice(&sample.payload().to_bytes());
-    let key = sample.key_expr();
-    let complain = |error: &serde_json::Error| {
-        if let Some(times) = NOT_UNDERSTOOD.another() {
-            tracing::warn!(%key, %error, times, "not understood");
-        }
-    };
-    read.inspect_err(complain).ok()
-}
-
-/// A callback that reads a sample of an agent and queues what it says; never blocks.
-fn hearing(
-    sender: &SyncSender<News>,
+/// Reads what an agent says under a key below `below`.
+fn of_agent(
     below: &'static str,
     read: fn(AgentId, &Sample) -> Option<News>,
-) -> impl Fn(Sample) + Send + Sync + 'static {
-    let (sender, missed) = (sender.clone(), Rarely::new());
-    move |sample: Sample| {
-        let named = split(sample.key_expr().as_str()).and_then(|(_, n)| split_agent(n, below));
-        let news = named.and_then(|(agent, _)| read(agent, &sample));
-        if let Some(news) = news
-            && let Err(TrySendError::Full(_)) = sender.try_send(news)
-        {
-            if let Some(times) = missed.another() {
-                tracing::error!(key = %sample.key_expr(), times, "too much to read: dropped");
-            }
-        }
+) -> impl Fn(&Sample) -> Option<News> + Send + Sync + 'static {
+    move |sample| {
+        let (_, name) = split(sample.key_expr().as_str())?;
+        let (agent, _) = split_agent(name, below)?;
+        read(agent, sample)
     }
 }
 

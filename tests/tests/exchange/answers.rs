@@ -1,0 +1,85 @@
+//! Who joins late asks, and knows as much as whoever answers.
+
+use csat_agent::config::ExchangeMode;
+use csat_proto::agent::Agent;
+use csat_tests::flight::Flight;
+use csat_tests::geometry::difference_m2;
+use csat_tests::missions::small;
+use csat_tests::replay::for_seeds;
+
+/// How far sets may be apart that grew from the same ones, m².
+const ROUNDING_M2: f64 = 1.0;
+
+/// Two UAVs after 30 steps, the second of which has just been restarted and seen one frame.
+fn restarted(seed: u64, mode: ExchangeMode) -> Flight {
+    let mut scenario = small(seed, 130.0, 2);
+    scenario.exchange.mode = mode;
+    let mut flight = Flight::new(&scenario);
+    for _ in 0..30 {
+        flight.step();
+    }
+    flight.pair.restart(1);
+    flight.step();
+    flight
+}
+
+/// How much less ground the first one holds for unexplored than the second one, m².
+fn lead_m2(flight: &Flight) -> f64 {
+    let area_m2 = |i: usize| flight.pair.agent(i).knowledge().unexplored.region().area_m2();
+    area_m2(1) - area_m2(0)
+}
+
+#[test]
+fn an_answer_tells_all_and_twice_the_same() {
+    for_seeds(["exchange", "an_answer_tells_all_and_twice_the_same"], 0..6, |seed| {
+        let mut flight = restarted(seed, ExchangeMode::Facts);
+        assert!(lead_m2(&flight) > 100.0, "nothing to catch up on: {}", lead_m2(&flight));
+        let now = flight.pair.time;
+        let answer = flight.pair.agents[0].answer(now).expect("it knows something");
+        for _ in 0..2 {
+            flight.pair.agents[1].handle_message(now, &answer.bytes);
+        }
+        for _ in 0..3 {
+            flight.step();
+            flight.check_guarantee();
+        }
+        let [a, b] = [0, 1].map(|i| flight.pair.agent(i).knowledge());
+        let apart_m2 = difference_m2(a.unexplored.region(), b.unexplored.region());
+        assert!(apart_m2 < ROUNDING_M2, "X̄ is {apart_m2} m² apart");
+        assert!(a.targets.keys().eq(b.targets.keys()) && a.oem == b.oem);
+        let another = flight.pair.agents[0].answer(flight.pair.time).unwrap();
+        assert_eq!(another.sequence, answer.sequence + 1, "answers are numbered");
+        assert!(flight.pair.agent(1).rejected().is_empty());
+    });
+}
+
+#[test]
+fn late_answers_are_grown_by_their_age() {
+    for_seeds(["exchange", "late_answers_are_grown_by_their_age"], 0..6, |seed| {
+        let mut flight = restarted(seed, ExchangeMode::Facts);
+        let answer = flight.pair.agents[0].answer(flight.pair.time).unwrap();
+        for _ in 0..8 {
+            flight.step();
+        }
+        let before_m2 = lead_m2(&flight);
+        flight.pair.agents[1].handle_message(flight.pair.time, &answer.bytes);
+        for _ in 0..4 {
+            flight.step();
+            flight.check_guarantee();
+        }
+        assert!(lead_m2(&flight) < before_m2, "{} of {before_m2}", lead_m2(&flight));
+    });
+}
+
+#[test]
+fn there_is_no_answer_before_there_is_knowledge() {
+    let mut flight = Flight::new(&small(1, 130.0, 2));
+    let now = flight.pair.time;
+    assert!(flight.pair.agents[0].answer(now).is_none(), "before the first frame");
+    flight.look();
+    assert!(flight.pair.agents[0].answer(now).is_none(), "between frame and update");
+    flight.pair.drive();
+    assert!(flight.pair.agents[0].answer(now).is_some());
+    let mut silent = restarted(1, ExchangeMode::None);
+    assert!(silent.pair.agents[0].answer(now).is_none(), "in silence");
+}
