@@ -117,7 +117,8 @@ fn a_foreign_world_flies_an_agent() {
     let agent = agent(folder.path(), &endpoint);
     let (code, out, err) = world.end();
     assert_eq!((code, &*err), (Some(0), ""), "{out}");
-    assert!(out.contains("\nflown 20 steps; "), "{out}");
+    assert!(out.contains("\nflown 20 steps; in all "), "{out}");
+    assert!(out.contains(" steps shown the car was in its set"), "{out}");
     assert_eq!(out.lines().filter(|line| line.starts_with("step ")).count(), 20, "{out}");
     // It sees the car, and it turns.
     assert!(

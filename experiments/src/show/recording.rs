@@ -36,7 +36,7 @@ pub struct Seen {
     pub agent: AgentId,
     /// F ∩ {z = 0}, `world`, metres.
     pub footprint: Ring,
-    /// What it knows; sets to [`PICTURE_M`].
+    /// What it knows; sets to a quarter of a metre.
     pub known: Knowledge,
     /// Whether an agent before it knows the very same, as with perfect links.
     pub is_repeated: bool,
