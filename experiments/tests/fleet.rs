@@ -131,6 +131,21 @@ fn agents_end_with_a_message_when_their_world_is_killed() {
     expect_nobody(&endpoint);
 }
 
+/// Asks to take part as UAV 1 with these words; the refusal.
+fn join_as(endpoint: &str, words: &str) -> String {
+    use zenoh::Wait;
+    let mut config = zenoh::Config::default();
+    config.insert_json5("mode", "'client'").unwrap();
+    config.insert_json5("connect/endpoints", &format!("[\"{endpoint}\"]")).unwrap();
+    config.insert_json5("scouting/multicast/enabled", "false").unwrap();
+    let session = zenoh::open(config).wait().unwrap();
+    let replies = session.get("csat/*/join/1").payload(words).wait().unwrap();
+    let reply = replies.recv().expect("the world answers").into_result();
+    let refusal = reply.expect_err("the world refuses").payload().to_bytes().into_owned();
+    let _ = session.close().wait();
+    text(&refusal)
+}
+
 #[test]
 fn whoever_does_not_belong_is_refused_with_a_reason() {
     let (folder, endpoint) = (scratch(), endpoint());
@@ -146,6 +161,14 @@ fn whoever_does_not_belong_is_refused_with_a_reason() {
         assert_eq!(output.status.code(), Some(code), "{said}");
         assert!(said.contains(expected), "{said}");
     }
+    // Another version of the protocol.
+    let refused = join_as(&endpoint, r#"{"protocol":99,"program":"x","agent":1,"process":1}"#);
+    assert!(
+        refused.contains("x speaks version 99 of the protocol, this world version"),
+        "{refused}"
+    );
+    let refused = join_as(&endpoint, "hello");
+    assert!(refused.contains("not understood"), "{refused}");
     // The same run again, at a world that knows the first one.
     let other = common::fleet::endpoint();
     let mission = mission("5");

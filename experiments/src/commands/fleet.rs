@@ -43,7 +43,7 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
         }
     };
     let code = super::record(run, logs, |loaded, recorder, audience| {
-        let outcome = world::fly(&session, loaded, pace, &options, recorder, audience)?;
+        let outcome = world::fly(&session, wire, loaded, pace, &options, recorder, audience)?;
         if let Some(folder) = agents_logs {
             adopt(folder, recorder.partial_folder()).context("cannot keep the agents' logs")?;
         }

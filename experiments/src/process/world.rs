@@ -1,5 +1,7 @@
 //! The world's process: town, cars and cameras, and everybody's observer.
 
+use std::time::Duration;
+
 use csat_proto::control::{PROTOCOL, Pace, Welcome};
 use csat_proto::ids::RunId;
 use csat_proto::keys::Keys;
@@ -14,9 +16,13 @@ use crate::mission::{self, Audience, FlightError, RunOptions};
 use crate::record::{Outcome, Recorder};
 use crate::scenario::Loaded;
 use crate::set_membership::SetMembership;
+use crate::timing::Stopwatch;
+use crate::wire::session::WireArguments;
 
-/// How long it is looked whether the run is flown already, seconds.
-const LOOK_S: f64 = 0.3;
+/// How long others are looked for that may fly the run already.
+const LOOK: Duration = Duration::from_secs(2);
+/// How long they may take to answer.
+const ANSWER_LIMIT: Duration = Duration::from_millis(300);
 
 /// Why a world's process ended before its mission.
 #[derive(Debug, thiserror::Error)]
@@ -50,6 +56,7 @@ fn zenoh_error(error: zenoh::Error) -> WorldError {
 /// When processes are missing, or the mission cannot be flown or written down.
 pub fn fly(
     session: &Session,
+    wire: &WireArguments,
     loaded: Loaded,
     pace: &PaceArguments,
     options: &RunOptions,
@@ -57,7 +64,10 @@ pub fn fly(
     audience: &mut dyn Audience<SetMembership>,
 ) -> Result<Outcome, WorldError> {
     let keys = Keys(RunId(loaded.scenario.seed));
-    refuse_twice(session, keys)?;
+    // Who connects to nobody hears of another world only from those who join it.
+    if !wire.connect.is_empty() {
+        refuse_twice(session, keys)?;
+    }
     let count = usize::from(loaded.scenario.agents.count);
     let port = Port::declare(session, keys, count).map_err(zenoh_error)?;
     let speed = pace.realtime.map_or(Pace::Lockstep, Pace::Realtime);
@@ -89,10 +99,14 @@ pub fn fly(
 
 /// Two worlds of one run would drive the same agents.
 fn refuse_twice(session: &Session, keys: Keys) -> Result<(), WorldError> {
-    let limit = std::time::Duration::from_secs_f64(LOOK_S);
-    let tokens = session.liveliness().get(keys.alive_world()).timeout(limit).wait();
-    match tokens.map_err(zenoh_error)?.recv() {
-        Ok(_) => Err(WorldError::Twice { run: keys.0 }),
-        Err(_) => Ok(()),
+    let watch = Stopwatch::start();
+    // A session is open before it is connected.
+    while !watch.left(LOOK).is_zero() {
+        let tokens = session.liveliness().get(keys.alive_world()).timeout(ANSWER_LIMIT).wait();
+        if tokens.map_err(zenoh_error)?.recv().is_ok() {
+            return Err(WorldError::Twice { run: keys.0 });
+        }
+        std::thread::sleep(ANSWER_LIMIT);
     }
+    Ok(())
 }
