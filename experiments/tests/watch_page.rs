@@ -315,7 +315,8 @@ fn a_fleet_of_processes_shows_itself() {
     browser.wait_for("document.getElementById('connection').textContent === 'live'");
     browser.wait_for("document.querySelectorAll('#agents button').length === 2");
     browser.wait_for("state.paths.get(1) && state.paths.get(1).length > 5");
-    assert_eq!(text(&mut browser, "title"), "city · seed 3");
+    // The town is asked for, and comes when it comes.
+    browser.wait_for("document.getElementById('title').textContent === 'city · seed 3'");
     let before = picture(&mut browser, "fleet");
     browser.wait_for(&format!("({HASH})('fleet') !== {before}"));
     assert_eq!(browser.complaints, Vec::<String>::new());
