@@ -8,24 +8,28 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
 
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::Pose;
 use csat_proto::command::YawCommand;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, TargetId};
-use csat_proto::message::{Digest, Plan};
+use csat_proto::message::{Digest, Fact, Plan};
 use csat_proto::raster::Raster;
 use csat_proto::time::{SimTime, Step};
 use serde::{Deserialize, Serialize};
 use tracing::info_span;
 
+use crate::commons::{Commons, Identity};
 use crate::config::{AgentConfig, ExchangeMode};
+use crate::estimate::evidence::Heard;
+use crate::estimate::settled::Settled;
 use crate::estimate::state::Knowledge;
 use crate::estimate::{Changes, Estimator};
 use crate::exchange::held::Held;
 use crate::exchange::inbox::{Inbox, Received};
-use crate::exchange::outbox::{Account, Outbox};
+use crate::exchange::outbox::{Account, Outbox, Said};
 use crate::exchange::repair::Repair;
 use crate::exchange::validate::Rejection;
 use crate::guidance::schedule::{Pass, Scheduler};
@@ -68,11 +72,12 @@ pub enum Event {
 #[derive(Debug, Clone)]
 pub struct SetMembershipAgent {
     config: AgentConfig,
+    commons: Commons,
     sensor: Sensor,
     estimator: Estimator,
     planner: Planner,
     scheduler: Scheduler,
-    knowledge: Knowledge,
+    knowledge: Arc<Settled>,
     /// Which facts the knowledge contains.
     held: Held,
     inbox: Inbox,
@@ -85,10 +90,10 @@ pub struct SetMembershipAgent {
     commanded_yaw_rad: Option<f64>,
     /// What the last frame proved.
     measured: Option<Measured>,
-    /// The step of that frame and whether it was told, until it is applied.
-    frame: Option<(Step, bool)>,
-    /// What each neighbour last reported as hidden, for `str2`.
-    hidden_to: BTreeMap<AgentId, Raster>,
+    /// The step of that frame and what was said of it, until it is applied.
+    frame: Option<(Step, Option<Said>)>,
+    /// What each neighbour last saw.
+    last_facts: BTreeMap<AgentId, Arc<Fact>>,
     /// Where each neighbour last was heard from.
     positions: BTreeMap<AgentId, [f64; 2]>,
     rejected: BTreeMap<&'static str, u64>,
@@ -103,14 +108,21 @@ pub struct SetMembershipAgent {
 impl SetMembershipAgent {
     /// An agent that knows nothing but its configuration.
     pub fn new(config: &AgentConfig) -> Self {
+        Self::sharing(config, Commons::default())
+    }
+
+    /// The same, as one of several in a process, all of the same configuration but for `id` and
+    /// `incarnation`.
+    pub fn sharing(config: &AgentConfig, commons: Commons) -> Self {
         Self {
             sensor: Sensor::new(config),
             estimator: Estimator::new(config),
             planner: Planner::new(config),
             scheduler: Scheduler::new(config),
-            knowledge: Knowledge::at_start(config),
+            knowledge: Arc::new(Settled::new(Knowledge::at_start(config), Identity::default())),
             held: Held::new(config),
-            inbox: Inbox::new(config),
+            inbox: Inbox::new(config, commons.clone()),
+            commons,
             outbox: Outbox::new(config),
             repair: Repair::new(config),
             frame: None,
@@ -118,7 +130,7 @@ impl SetMembershipAgent {
             planned: Vec::new(),
             commanded_yaw_rad: None,
             measured: None,
-            hidden_to: BTreeMap::new(),
+            last_facts: BTreeMap::new(),
             positions: BTreeMap::new(),
             rejected: BTreeMap::new(),
             commands: VecDeque::new(),
@@ -135,7 +147,7 @@ impl SetMembershipAgent {
     }
 
     /// What the agent knows.
-    pub fn knowledge(&self) -> &Knowledge {
+    pub fn knowledge(&self) -> &Settled {
         &self.knowledge
     }
 
@@ -182,7 +194,7 @@ impl SetMembershipAgent {
             return;
         }
         let heard = self.inbox.take_due(step);
-        if let Some((_, true)) = frame {
+        if let Some((_, Some(_))) = frame {
             let number = self.outbox.facts_said() - 1;
             self.held.apply(self.config.id, self.config.incarnation, number);
         }
@@ -195,8 +207,32 @@ impl SetMembershipAgent {
             self.repair.hear(step, h.src, h.fact.step, &h.fact.held);
         }
         let own = self.measured.as_ref().filter(|_| frame.is_some()).map(|m| (step, m));
-        let changes = self.estimator.update(&mut self.knowledge, own, heard);
+        let lineage = self.lineage(frame, &heard);
+        let (knowledge, changes) = self.commons.updated(step, lineage, || {
+            let mut knowledge = Knowledge::clone(&self.knowledge);
+            let changes = self.estimator.update(&mut knowledge, own, heard.clone());
+            (knowledge, changes)
+        });
+        self.knowledge = knowledge;
         self.report(&changes);
+    }
+
+    /// What the knowledge will be made of: all so far, the own frame and all that was heard.
+    ///
+    /// Who told a frame in full knows the same as who heard of it, unless clocks may differ.
+    fn lineage(&self, frame: Option<(Step, Option<Said>)>, heard: &[Heard]) -> Identity {
+        let AgentConfig { id, incarnation, exchange, .. } = &self.config;
+        let told = |said: &Said| said.in_full && exchange.clock_skew_s == 0.0;
+        let own = frame.map(|(step, said)| match said.filter(told) {
+            Some(said) => said.identity,
+            None => Identity::of_all([id.0.into(), incarnation.0.into(), step.0.into()]),
+        });
+        let mut news: Vec<Identity> =
+            own.into_iter().chain(heard.iter().map(|h| h.identity)).collect();
+        news.sort_unstable();
+        let frame = frame.map_or(0, |(step, _)| u128::from(step.0) + 1);
+        let news = news.into_iter().map(Identity::bits);
+        Identity::of_all([self.knowledge.lineage().bits(), frame].into_iter().chain(news))
     }
 
     fn report(&mut self, changes: &Changes) {
@@ -234,17 +270,17 @@ impl SetMembershipAgent {
     fn decide(&mut self, pass: Pass) {
         let yaw_rad = self.commanded_yaw_rad.unwrap_or(self.pose.yaw_rad);
         let decision = info_span!("guidance").in_scope(|| {
-            let grid = self.config.raster_grid();
-            let margin = Raster::of_region(grid, self.knowledge.margin.region());
-            let nothing = Raster::empty(grid);
+            let coarse = self.knowledge.coarse();
+            let nothing = Raster::empty(self.config.raster_grid());
+            let hidden_to = |id| self.last_facts.get(id).map(|fact| &fact.hidden);
             let neighbours_hidden_now: Vec<Option<&Raster>> =
-                pass.neighbours.iter().map(|id| self.hidden_to.get(id)).collect();
+                pass.neighbours.iter().map(hidden_to).collect();
             let picture = Picture {
-                wanted: &self.knowledge.wanted(),
-                margin: &margin,
+                wanted: &coarse.wanted,
+                margin: &coarse.margin,
                 hidden_now: self.measured.as_ref().map_or(&nothing, |m| &m.hidden),
                 neighbours_hidden_now: &neighbours_hidden_now,
-                hidden_recent: &self.knowledge.hidden_recently(),
+                hidden_recent: &coarse.hidden_recently,
                 oem: &self.knowledge.oem,
             };
             let pose = Pose { yaw_rad, ..self.pose };
@@ -278,23 +314,17 @@ impl Agent for SetMembershipAgent {
         let measured = info_span!("sense").in_scope(|| self.sensor.measure(frame));
         let held = match self.config.exchange.mode {
             ExchangeMode::FactsRepair => {
-                let map = self.knowledge.oem.block_hashes();
+                let map = self.knowledge.block_hashes();
                 self.repair.hold(frame.step, self.held.facts(), map)
             }
             _ => Digest::default(),
         };
-        let mut changed = BTreeMap::new();
-        for &delta in &measured.oem {
-            if self.knowledge.oem.join(delta) {
-                changed.insert(delta.cell, self.knowledge.oem.cells()[delta.cell as usize]);
-            }
-        }
         let account = Account {
             now,
             step: frame.step,
             pose: self.pose,
             measured: &measured,
-            changed,
+            changed: self.knowledge.oem.changes(&measured.oem),
             knowledge: &self.knowledge,
             held,
             uavs: self.fleet(),
@@ -308,8 +338,8 @@ impl Agent for SetMembershipAgent {
     fn handle_message(&mut self, now: SimTime, bytes: &[u8]) {
         self.now = now;
         match self.inbox.receive(self.step(), bytes, &self.held) {
-            Ok(Received::Knowledge { from, p_world, hidden }) => {
-                self.hidden_to.insert(from, hidden);
+            Ok(Received::Knowledge { from, p_world, fact }) => {
+                self.last_facts.insert(from, fact);
                 self.positions.insert(from, [p_world[0], p_world[1]]);
             }
             Ok(Received::Plan { from, incarnation, plan }) => {

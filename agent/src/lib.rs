@@ -3,6 +3,7 @@
 //! | module | station |
 //! |---|---|
 //! | [`agent`] | the state machine: frames and messages in, messages and commands out |
+//! | [`commons`] | what agents of one process need not find out twice |
 //! | [`config`] | everything it is told before the start |
 //! | [`region`] | outer and inner sets: the types that carry the guarantee |
 //! | [`sense`] | one frame to measured sets |
@@ -12,6 +13,7 @@
 //! | [`mutant`] | known mistakes, for tests of the tests |
 
 pub mod agent;
+pub mod commons;
 pub mod config;
 pub mod estimate;
 pub mod exchange;

@@ -124,13 +124,6 @@ pub fn percent_of(ground: &Ground, area_m2: f64) -> f64 {
     100.0 * area_m2 / ground.area_m2()
 }
 
-/// φ(X̄ ∩ X^h) in per cent of the ground; cells of the raster count when their centre is in X̄.
-pub fn hidden_unexplored_pct(unexplored: &Region, hidden: &Raster, ground: &Ground) -> f64 {
-    let unexplored = Raster::of_region(*hidden.grid(), unexplored);
-    let cell_m2 = hidden.grid().cell_m.powi(2);
-    percent_of(ground, f64::from(unexplored.count_common(hidden)) * cell_m2)
-}
-
 /// One UAV's term of (5.45): intersection over union of the ground that is hidden, H^CVS, and the
 /// ground expected to be, H^OEM ∩ F, in per cent; `None` when both are empty.
 pub fn oem_iou_pct(hidden: &Raster, expected: &Raster) -> Option<f64> {
@@ -237,15 +230,6 @@ mod tests {
             localization([(TargetId(9), &a), (TargetId(0), &Region::EMPTY)], &locations),
             None
         );
-    }
-
-    #[test]
-    fn hidden_counts_only_what_is_unexplored() {
-        let grid = Grid::covering(&GROUND, 2.0);
-        let hidden = Raster::of_region(grid, &square(0.0, 0.0, 20.0));
-        let unexplored = square(10.0, 0.0, 40.0);
-        let pct = hidden_unexplored_pct(&unexplored, &hidden, &GROUND);
-        assert!((pct - 2.0).abs() < 1e-9, "{pct}");
     }
 
     #[test]

@@ -67,8 +67,15 @@ impl Outcome {
 /// # Panics
 /// When the scenario has no world.
 pub fn fly(scenario: &Scenario, steps: u32) -> Outcome {
+    fly_mission(SetMembership::new(scenario), scenario, steps)
+}
+
+/// Flies steps 0 to `steps` of a mission of `scenario`.
+///
+/// # Panics
+/// When the scenario has no world.
+pub fn fly_mission(mission: SetMembership, scenario: &Scenario, steps: u32) -> Outcome {
     let world = world_of(scenario).unwrap_or_else(|e| panic!("seed {}: {e}", scenario.seed));
-    let mission = SetMembership::new(scenario);
     let mut engine = Engine::new(mission.clone(), world, &scenario.netem, scenario.seed);
     let (mut violations, mut inconsistencies, mut sum) = (Vec::new(), 0, 0.0);
     let mut unexplored_pct = 0.0;

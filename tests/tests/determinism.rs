@@ -1,6 +1,9 @@
 //! Same scenario and seed: same digest, whatever the number of threads and whoever watches.
 
-use csat_tests::missions::{Outcome, fly, small};
+use csat_experiments::set_membership::SetMembership;
+use csat_tests::missions::{Outcome, fly, fly_mission, small};
+use csat_tests::replay::for_seeds;
+use csat_tests::swarm::draw::Draw;
 use rayon::ThreadPoolBuilder;
 use tracing_subscriber::layer::SubscriberExt;
 
@@ -46,4 +49,18 @@ fn measuring_changes_nothing() {
         })
     });
     assert_eq!(measured, fly(&scenario, STEPS));
+}
+
+/// Agents of one process take over each other's results; with every fault there is, they are the same
+/// as if each had worked for its own.
+#[test]
+fn sharing_work_changes_nothing() {
+    let perfect = small(3, 120.0, 4);
+    let alone = SetMembership::new(&perfect).each_by_itself();
+    assert_eq!(fly(&perfect, STEPS), fly_mission(alone, &perfect, STEPS));
+    for_seeds(["determinism", "sharing_work_changes_nothing"], 0..24, |seed| {
+        let Draw { scenario, steps, .. } = Draw::new(seed);
+        let alone = SetMembership::new(&scenario).each_by_itself();
+        assert_eq!(fly(&scenario, steps), fly_mission(alone, &scenario, steps));
+    });
 }

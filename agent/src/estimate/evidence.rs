@@ -1,10 +1,13 @@
 //! What frames prove, one's own and those of others, as of the receiver's step.
 
+use std::sync::Arc;
+
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::message::{Fact, Known};
 use csat_proto::region::Region;
 use csat_proto::time::Step;
 
+use crate::commons::Identity;
 use crate::config::AgentConfig;
 use crate::mutant::{Mutant, is_on};
 use crate::region::{Inner, Outer, Reach};
@@ -18,9 +21,11 @@ pub struct Heard {
     /// Its life.
     pub incarnation: Incarnation,
     /// What its frame proved.
-    pub fact: Fact,
+    pub fact: Arc<Fact>,
     /// What it knew before.
-    pub known: Option<Known>,
+    pub known: Option<Arc<Known>>,
+    /// Of the message that said so.
+    pub identity: Identity,
 }
 
 /// What one frame proves about a later step.
@@ -78,24 +83,24 @@ impl Ager {
     }
 
     /// What a fact proves at step `now`.
-    pub fn evidence(&self, fact: Fact, now: Step) -> Evidence {
+    pub fn evidence(&self, fact: &Fact, now: Step) -> Evidence {
         let reach = self.reach(now, fact.step);
         let reach = reach.as_ref();
         let unless = |mutant| reach.filter(|_| !is_on(mutant));
-        let targets = fact.targets.into_iter().map(|seen| MeasuredTarget {
+        let targets = fact.targets.iter().map(|seen| MeasuredTarget {
             target: seen.target,
-            location: self.dilated(seen.location, unless(Mutant::DetectionNotDilated)),
-            exclusion: eroded(seen.exclusion, unless(Mutant::ExclusionNotEroded)),
+            location: self.dilated(seen.location.clone(), unless(Mutant::DetectionNotDilated)),
+            exclusion: eroded(seen.exclusion.clone(), unless(Mutant::ExclusionNotEroded)),
         });
         let clear_ground = match is_on(Mutant::ClearGroundDilated) {
-            true => Inner::within(self.dilated(fact.clear_ground, reach).into_region()),
-            false => eroded(fact.clear_ground, unless(Mutant::ClearGroundNotEroded)),
+            true => Inner::within(self.dilated(fact.clear_ground.clone(), reach).into_region()),
+            false => eroded(fact.clear_ground.clone(), unless(Mutant::ClearGroundNotEroded)),
         };
         Evidence {
             targets: targets.collect(),
             clear_ground,
             // Static: age does not matter.
-            obstacle_margin: Inner::within(fact.obstacle_margin),
+            obstacle_margin: Inner::within(fact.obstacle_margin.clone()),
         }
     }
 

@@ -4,6 +4,7 @@
 //! | module | equations |
 //! |---|---|
 //! | [`state`] | the sets an agent holds |
+//! | [`settled`] | those sets between two updates, and what follows from them |
 //! | [`evidence`] | what frames prove, own and others', as of now |
 //! | `fuse` | (4.34)-(4.37): what others knew |
 //! | [`predict`] | (4.24)-(4.27) |
@@ -18,6 +19,7 @@ pub mod evidence;
 mod fuse;
 pub mod oem;
 pub mod predict;
+pub mod settled;
 pub mod state;
 
 use csat_proto::ids::{AgentId, TargetId};
@@ -69,7 +71,7 @@ impl Estimator {
             self.predictor.catch_up(knowledge, step);
         }
         info_span!("fuse").in_scope(|| {
-            let known = heard.iter().filter_map(|h| h.known.as_ref());
+            let known = heard.iter().filter_map(|h| h.known.as_deref());
             known.for_each(|known| fuse::fuse(knowledge, known, &self.ager));
         });
         let predicted = info_span!("estimate").in_scope(|| match own {
@@ -78,7 +80,7 @@ impl Estimator {
         });
         let measured = own.map(|(_, measured)| measured);
         look(knowledge, measured, &heard);
-        let evidence = info_span!("fuse").in_scope(|| self.evidence(knowledge, measured, heard));
+        let evidence = info_span!("fuse").in_scope(|| self.evidence(knowledge, measured, &heard));
         info_span!("estimate").in_scope(|| correct::correct(knowledge, &predicted, &evidence));
         let inconsistent = knowledge.restart_empty_sets();
         let identified =
@@ -91,14 +93,13 @@ impl Estimator {
         &self,
         knowledge: &Knowledge,
         own: Option<&Measured>,
-        heard: Vec<Heard>,
+        heard: &[Heard],
     ) -> Vec<Evidence> {
         let now = knowledge.step;
-        let known = heard.iter().filter_map(|h| h.known.as_ref());
+        let known = heard.iter().filter_map(|h| h.known.as_deref());
         let margins: Vec<_> = known.map(|known| fuse::margin_news(knowledge, known)).collect();
         let fresh = own.map(|measured| ((now, self.own), Evidence::fresh(measured)));
-        let aged =
-            heard.into_iter().map(|h| ((h.fact.step, h.src), self.ager.evidence(h.fact, now)));
+        let aged = heard.iter().map(|h| ((h.fact.step, h.src), self.ager.evidence(&h.fact, now)));
         let mut evidence: Vec<_> = aged.chain(fresh).collect();
         evidence.sort_by_key(|(stamp, _)| *stamp);
         margins.into_iter().chain(evidence.into_iter().map(|(_, evidence)| evidence)).collect()
@@ -108,10 +109,13 @@ impl Estimator {
 /// What is hidden, and what the map says: coarse, and without an order.
 fn look(knowledge: &mut Knowledge, own: Option<&Measured>, heard: &[Heard]) {
     let now = knowledge.step;
-    if let Some(Measured { hidden, seen, .. }) = own {
+    if let Some(Measured { hidden, seen, oem, .. }) = own {
         knowledge.note_view(now, hidden, seen);
+        oem.iter().for_each(|&delta| {
+            knowledge.oem.join(delta);
+        });
     }
-    for fact in heard.iter().map(|h| &h.fact) {
+    for fact in heard.iter().map(|h| h.fact.as_ref()) {
         knowledge.note_view(fact.step, &fact.hidden, &fact.seen);
         fact.oem.deltas().for_each(|delta| {
             knowledge.oem.join(delta);

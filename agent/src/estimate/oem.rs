@@ -1,6 +1,6 @@
 //! The occupancy-elevation map M_i (thesis §4.6, paper §VI-C).
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::Grid;
@@ -39,11 +39,22 @@ impl Oem {
     /// Joins a state into a cell; true if the cell changed. Cells outside the map are ignored.
     pub fn join(&mut self, delta: OemDelta) -> bool {
         let Some(cell) = self.cells.get_mut(delta.cell as usize) else { return false };
-        let joined = match is_on(Mutant::OemLastWriter) {
-            true => delta.state,
-            false => cell.join(delta.state),
-        };
+        let joined = joined(*cell, delta.state);
         std::mem::replace(cell, joined) != joined
+    }
+
+    /// What joining `deltas` would change: the cells by increasing index and their new states.
+    pub fn changes(&self, deltas: &[OemDelta]) -> BTreeMap<u32, OemCell> {
+        let mut changed = BTreeMap::new();
+        for &OemDelta { cell, state } in deltas {
+            let Some(&known) = self.cells.get(cell as usize) else { continue };
+            let before = changed.get(&cell).copied().unwrap_or(known);
+            let joined = joined(before, state);
+            if joined != before {
+                changed.insert(cell, joined);
+            }
+        }
+        changed
     }
 
     /// The height of an occupied cell, metres.
@@ -108,6 +119,13 @@ impl BlockHashes {
             xxh3_64(stamped.as_flattened()) as u16
         };
         self.0.iter().map(short).collect()
+    }
+}
+
+fn joined(cell: OemCell, state: OemCell) -> OemCell {
+    match is_on(Mutant::OemLastWriter) {
+        true => state,
+        false => cell.join(state),
     }
 }
 

@@ -71,15 +71,6 @@ impl Knowledge {
         }
     }
 
-    /// X^Δ = X̄ ∪ ⋃ X_j (5.11), coarsely.
-    pub fn wanted(&self) -> Raster {
-        let mut wanted = Raster::of_region(*self.hidden.grid(), self.unexplored.region());
-        for set in self.targets.values() {
-            wanted.union_with(&Raster::of_region(*self.hidden.grid(), set.region()));
-        }
-        wanted
-    }
-
     /// Notes what somebody could not see and saw at `step` (5.43), (5.44).
     ///
     /// Ground becomes hidden unless anybody saw it at that step or later; views may come late, in

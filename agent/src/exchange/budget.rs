@@ -26,10 +26,11 @@ const BLIND_LEVEL: u32 = 4;
 const RUNS: usize = 512;
 
 /// The finest of the bodies that `encoded` makes at levels 0, 1, … that fits into `limit` bytes with
-/// its envelope.
-pub fn fit(limit: f64, encoded: impl Fn(u32) -> Vec<u8>) -> Option<Vec<u8>> {
+/// its envelope, and its level.
+pub fn fit(limit: f64, encoded: impl Fn(u32) -> Vec<u8>) -> Option<(u32, Vec<u8>)> {
     let room = limit - Envelope::HEADER_BYTES_MAX as f64;
-    (0..=LEVELS).map(encoded).find(|body| body.len() as f64 <= room)
+    let bodies = (0..=LEVELS).map(|level| (level, encoded(level)));
+    bodies.into_iter().find(|(_, body)| body.len() as f64 <= room)
 }
 
 /// Simplifies sets by the distance from where somebody flies.

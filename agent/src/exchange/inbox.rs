@@ -1,16 +1,17 @@
 //! What of the others' messages is believed, kept until it can be applied.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use csat_proto::agent::FIRST_ANSWER;
 use csat_proto::envelope::Envelope;
 use csat_proto::ids::{AgentId, Incarnation};
-use csat_proto::message::{Message, Plan};
-use csat_proto::raster::Raster;
+use csat_proto::message::{Fact, Known, Message, Plan};
 use csat_proto::time::Step;
 
 use super::held::Held;
 use super::validate::{self, Rejection};
+use crate::commons::{Commons, Identity};
 use crate::config::AgentConfig;
 use crate::estimate::evidence::Heard;
 use crate::mutant::{Mutant, is_on};
@@ -19,8 +20,43 @@ use crate::mutant::{Mutant, is_on};
 #[derive(Debug, Clone)]
 pub struct Inbox {
     config: AgentConfig,
+    commons: Commons,
     incarnations: BTreeMap<AgentId, Incarnation>,
     waiting: Vec<Heard>,
+}
+
+/// A message that passed its checks, as whoever receives it at a step reads it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Letter {
+    src: AgentId,
+    incarnation: Incarnation,
+    sequence: u64,
+    /// Where the sender was, `world`, metres.
+    p_world: [f64; 3],
+    body: Body,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Body {
+    Knowledge { fact: Arc<Fact>, known: Option<Arc<Known>> },
+    Plan(Plan),
+}
+
+impl Letter {
+    /// Decodes and checks a message that arrived at step `now`.
+    fn read(config: &AgentConfig, now: Step, bytes: &[u8]) -> Result<Self, Rejection> {
+        let envelope = Envelope::decode(bytes)?;
+        let body = match validate::check(config, now, &envelope)? {
+            Message::Plan(plan) => Body::Plan(plan),
+            Message::Fact(fact) => Body::Knowledge { fact: Arc::new(fact), known: None },
+            Message::Snapshot(snapshot) => Body::Knowledge {
+                fact: Arc::new(snapshot.fact),
+                known: Some(Arc::new(snapshot.known)),
+            },
+        };
+        let Envelope { src, incarnation, sequence, pose, .. } = envelope;
+        Ok(Self { src, incarnation, sequence, p_world: pose.p_world, body })
+    }
 }
 
 /// What became of a valid message.
@@ -32,8 +68,8 @@ pub enum Received {
         from: AgentId,
         /// Where it was, `world`, metres.
         p_world: [f64; 3],
-        /// What its frame could not see.
-        hidden: Raster,
+        /// What its frame proved.
+        fact: Arc<Fact>,
     },
     /// Somebody's flight plan, yet to be judged by the scheduler.
     Plan {
@@ -50,30 +86,30 @@ pub enum Received {
 
 impl Inbox {
     /// An inbox that has heard nobody.
-    pub fn new(config: &AgentConfig) -> Self {
-        Self { config: config.clone(), incarnations: BTreeMap::new(), waiting: Vec::new() }
+    pub fn new(config: &AgentConfig, commons: Commons) -> Self {
+        Self { config: config.clone(), commons, incarnations: BTreeMap::new(), waiting: Vec::new() }
     }
 
     /// Decodes, checks and files a message that arrived at the receiver's step `now`, unless it
     /// repeats what is held.
     pub fn receive(&mut self, now: Step, bytes: &[u8], held: &Held) -> Result<Received, Rejection> {
-        let envelope = Envelope::decode(bytes)?;
-        let (src, incarnation) = (envelope.src, envelope.incarnation);
+        let identity = Identity::of(bytes);
+        let letter =
+            self.commons.letter(now, identity, || Letter::read(&self.config, now, bytes))?;
+        let Letter { src, incarnation, sequence, p_world, ref body } = *letter;
+        validate::check_sender(&self.config, src)?;
         let known = self.incarnations.get(&src).copied().unwrap_or_default();
-        let message = validate::check(&self.config, now, &envelope)?;
         if incarnation < known && !is_on(Mutant::StaleIncarnationAccepted) {
             return Err(Rejection::Incarnation { got: incarnation.0, known: known.0 });
         }
-        let (fact, known) = match message {
-            Message::Plan(plan) => return Ok(Received::Plan { from: src, incarnation, plan }),
-            Message::Fact(fact) => (fact, None),
-            Message::Snapshot(snapshot) => (snapshot.fact, Some(snapshot.known)),
+        let (fact, known) = match body.clone() {
+            Body::Plan(plan) => return Ok(Received::Plan { from: src, incarnation, plan }),
+            Body::Knowledge { fact, known } => (fact, known),
         };
         // An answer tells more than the fact whose number it has, even to who has applied that.
-        let is_answer = envelope.sequence >= FIRST_ANSWER;
-        let identity = (src, incarnation, fact.number, known.is_some());
-        let is_same =
-            |h: &Heard| (h.src, h.incarnation, h.fact.number, h.known.is_some()) == identity;
+        let is_answer = sequence >= FIRST_ANSWER;
+        let stamp = (src, incarnation, fact.number, known.is_some());
+        let is_same = |h: &Heard| (h.src, h.incarnation, h.fact.number, h.known.is_some()) == stamp;
         let is_applied = !is_answer && held.has_applied(src, incarnation, fact.number);
         if is_applied || self.waiting.iter().any(is_same) {
             return Ok(Received::Repeat);
@@ -83,9 +119,8 @@ impl Inbox {
             return Err(Rejection::Full { max });
         }
         self.believe(src, incarnation);
-        let hidden = fact.hidden.clone();
-        self.waiting.push(Heard { src, incarnation, fact, known });
-        Ok(Received::Knowledge { from: src, p_world: envelope.pose.p_world, hidden })
+        self.waiting.push(Heard { src, incarnation, fact: fact.clone(), known, identity });
+        Ok(Received::Knowledge { from: src, p_world, fact })
     }
 
     /// Something of this life of an agent was believed: earlier lives are over.

@@ -14,6 +14,7 @@ use csat_proto::time::{SimTime, Step};
 
 use super::budget::{Shortener, fit};
 use super::repair::Repair;
+use crate::commons::Identity;
 use crate::config::{AgentConfig, ExchangeConfig, ExchangeMode};
 use crate::estimate::state::Knowledge;
 use crate::mutant::{Mutant, is_on};
@@ -37,12 +38,21 @@ pub struct Account<'a> {
     pub measured: &'a Measured,
     /// Cells of the OEM that the frame changed.
     pub changed: BTreeMap<u32, OemCell>,
-    /// What the agent knew before; the OEM with the frame's cells.
+    /// What the agent knew before.
     pub knowledge: &'a Knowledge,
     /// What it held before.
     pub held: Digest,
     /// Where UAVs are, as far as the agent knows, metres.
     pub uavs: Vec<[f64; 2]>,
+}
+
+/// What was said of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Said {
+    /// Of the message.
+    pub identity: Identity,
+    /// Whether it tells all that the frame proved.
+    pub in_full: bool,
 }
 
 /// Messages waiting to be sent, and the numbering of those that were.
@@ -90,13 +100,13 @@ impl Outbox {
         self.facts_said
     }
 
-    /// Says what this step's frame proved or what is known with it, as the mode demands. Tells
-    /// whether anything was said.
-    pub fn say_step(&mut self, account: &Account<'_>, repair: &mut Repair) -> bool {
+    /// Says what this step's frame proved or what is known with it, as the mode demands. `None` when
+    /// nothing was said.
+    pub fn say_step(&mut self, account: &Account<'_>, repair: &mut Repair) -> Option<Said> {
         let ExchangeConfig { mode, budget_bytes_s, snapshot_period_s, .. } =
             self.config.exchange.clone();
         if mode == ExchangeMode::None {
-            return false;
+            return None;
         }
         let allowance = budget_bytes_s * self.config.period_s;
         self.credit = (self.credit + allowance).min(budget_bytes_s * snapshot_period_s);
@@ -108,8 +118,8 @@ impl Outbox {
             }
             ExchangeMode::None | ExchangeMode::Facts => false,
         };
-        let snapshot = wanted && self.say_snapshot(account, &fact);
-        if snapshot {
+        let mut said = if wanted { self.say_snapshot(account, &fact) } else { None };
+        if said.is_some() {
             repair.snapshot_said(account.step);
             self.next_snapshot = self.in_steps(account.step, snapshot_period_s);
         } else if wanted {
@@ -119,9 +129,10 @@ impl Outbox {
             ExchangeMode::FactsRepair => self.credit.min(FACT_SHARE * allowance),
             _ => self.credit,
         };
-        let said =
-            snapshot || (mode != ExchangeMode::Snapshot && self.say_fact(account, &fact, limit));
-        if said {
+        if said.is_none() && mode != ExchangeMode::Snapshot {
+            said = self.say_fact(account, &fact, limit);
+        }
+        if said.is_some() {
             self.facts_said += 1;
         } else {
             self.withheld += 1;
@@ -169,14 +180,16 @@ impl Outbox {
     /// The fact of a frame, in full.
     fn fact(&self, account: &Account<'_>, repair: &mut Repair) -> Fact {
         let Account { step, measured, knowledge, held, changed, .. } = account;
+        let with_changes = |known: &mut dyn Iterator<Item = OemDelta>| {
+            let mut cells: BTreeMap<_, _> = known.map(|delta| (delta.cell, delta.state)).collect();
+            cells.extend(changed);
+            patch(&cells)
+        };
         let oem = match self.config.exchange.mode {
-            ExchangeMode::Snapshot => OemPatch::of(knowledge.oem.known()),
+            ExchangeMode::Snapshot => with_changes(&mut knowledge.oem.known()),
             ExchangeMode::FactsRepair => {
-                let mut oem = changed.clone();
                 let due = repair.blocks_due(*step);
-                let lacked = knowledge.oem.known_in(&due);
-                oem.extend(lacked.map(|delta| (delta.cell, delta.state)));
-                patch(&oem)
+                with_changes(&mut knowledge.oem.known_in(&due))
             }
             ExchangeMode::None | ExchangeMode::Facts => patch(changed),
         };
@@ -198,7 +211,7 @@ impl Outbox {
         }
     }
 
-    fn say_fact(&mut self, account: &Account<'_>, fact: &Fact, limit: f64) -> bool {
+    fn say_fact(&mut self, account: &Account<'_>, fact: &Fact, limit: f64) -> Option<Said> {
         let ground = account.knowledge.ground();
         let body = fit(limit, |level| {
             encode(&Message::Fact(Shortener::new(level, &account.uavs, ground).fact(fact)))
@@ -206,7 +219,7 @@ impl Outbox {
         self.say_body(self.config.channels.facts, account, body)
     }
 
-    fn say_snapshot(&mut self, account: &Account<'_>, fact: &Fact) -> bool {
+    fn say_snapshot(&mut self, account: &Account<'_>, fact: &Fact) -> Option<Said> {
         let knowledge = account.knowledge;
         let known = known(knowledge);
         let body = fit(self.credit, |level| {
@@ -221,22 +234,29 @@ impl Outbox {
         &mut self,
         channel: ChannelId,
         account: &Account<'_>,
-        body: Option<Vec<u8>>,
-    ) -> bool {
-        let said = body.is_some();
-        if let Some(body) = body {
-            self.say(channel, account.now, account.step, account.pose, body);
-        }
-        said
+        fitting: Option<(u32, Vec<u8>)>,
+    ) -> Option<Said> {
+        let (level, body) = fitting?;
+        let identity = self.say(channel, account.now, account.step, account.pose, body);
+        Some(Said { identity, in_full: level == 0 })
     }
 
-    fn say(&mut self, channel: ChannelId, time: SimTime, step: Step, pose: Pose, body: Vec<u8>) {
+    fn say(
+        &mut self,
+        channel: ChannelId,
+        time: SimTime,
+        step: Step,
+        pose: Pose,
+        body: Vec<u8>,
+    ) -> Identity {
         let next = self.sequences.entry(channel).or_default();
         let sequence = *next;
         *next += 1;
         let bytes = self.envelope(channel, sequence, time, step, pose, body).encode();
         self.credit -= bytes.len() as f64;
+        let identity = Identity::of(&bytes);
         self.queue.push_back(Transmit { channel, sequence, bytes });
+        identity
     }
 
     fn envelope(

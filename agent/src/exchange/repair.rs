@@ -60,9 +60,9 @@ impl Repair {
     }
 
     /// What is held before the frame of step `now`, as a digest tells it.
-    pub fn hold(&mut self, now: Step, facts: Vec<HeldFacts>, map: BlockHashes) -> Digest {
+    pub fn hold(&mut self, now: Step, facts: Vec<HeldFacts>, map: &BlockHashes) -> Digest {
         let oem = map.told_at(now);
-        self.map = map;
+        self.map.clone_from(map);
         self.past.push_back((now, facts.clone()));
         while self.past.get(1).is_some_and(|(step, _)| step.0.saturating_add(self.delay) <= now.0) {
             self.past.pop_front();
@@ -191,7 +191,7 @@ mod tests {
     /// Somebody who has held these facts for long.
     fn helper(own: u16, counts: [u32; 4]) -> Repair {
         let mut repair = repair(own);
-        repair.hold(Step(20 - DELAY), facts(counts), BlockHashes::default());
+        repair.hold(Step(20 - DELAY), facts(counts), &BlockHashes::default());
         repair
     }
 
@@ -215,7 +215,7 @@ mod tests {
     fn what_may_be_on_its_way_is_not_lacking() {
         let mut repair = repair(2);
         for step in 0..=20 {
-            repair.hold(Step(step), facts([step; 4]), BlockHashes::default());
+            repair.hold(Step(step), facts([step; 4]), &BlockHashes::default());
         }
         repair.hear(Step(20), AgentId(1), Step(20), &digest([16, 16, 16, 16]));
         assert!(!repair.snapshot_due(Step(100)));
@@ -235,7 +235,7 @@ mod tests {
     fn the_last_fact_of_a_life_that_is_over_is_lacking_once_it_is_old() {
         let mut repair = repair(2);
         for step in 20..=24 {
-            repair.hold(Step(step), facts([9, step, step, step]), BlockHashes::default());
+            repair.hold(Step(step), facts([9, step, step, step]), &BlockHashes::default());
             repair.hear(Step(step), AgentId(1), Step(step), &digest([8, step, step, step]));
             assert_eq!(repair.snapshot_due(Step(100)), step >= 20 + DELAY, "at {step}");
         }
@@ -260,7 +260,7 @@ mod tests {
     fn blocks_that_stay_different_are_said_again() {
         let mut repair = repair(2);
         let (own, other) = (map(2, &[1]), map(2, &[]));
-        repair.hold(Step(20), Vec::new(), own.clone());
+        repair.hold(Step(20), Vec::new(), &own);
         repair.hear(Step(20), AgentId(1), Step(20), &map_digest(20, &other));
         assert!(repair.blocks_due(Step(23)).is_empty());
         // A late digest is compared as of its own step.
@@ -277,7 +277,7 @@ mod tests {
         const BLOCKS: usize = 100;
         let mut repair = repair(2);
         let all: Vec<usize> = (0..BLOCKS).collect();
-        repair.hold(Step(20), Vec::new(), map(BLOCKS, &all));
+        repair.hold(Step(20), Vec::new(), &map(BLOCKS, &all));
         repair.hear(Step(20), AgentId(1), Step(20), &map_digest(20, &map(BLOCKS, &[])));
         let steps = 24..24 + BLOCKS.div_ceil(BLOCKS_PER_FACT) as u32;
         let said: BTreeSet<usize> = steps.flat_map(|step| repair.blocks_due(Step(step))).collect();

@@ -1,7 +1,7 @@
 //! What is checked before anything in a message is believed.
 
 use csat_proto::envelope::{Envelope, EnvelopeError};
-use csat_proto::ids::TargetId;
+use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::message::{Digest, Fact, Known, Message};
 use csat_proto::oem::OemPatch;
 use csat_proto::raster::Raster;
@@ -150,7 +150,15 @@ impl Rejection {
     }
 }
 
-/// Checks header and body against what the receiver knows; `now` is its step.
+/// Checks that a sender is another agent of the fleet.
+pub fn check_sender(config: &AgentConfig, src: AgentId) -> Result<(), Rejection> {
+    if src.0 >= config.fleet.count || src == config.id {
+        return Err(Rejection::Sender { got: src.0, fleet: config.fleet.count });
+    }
+    Ok(())
+}
+
+/// Checks header and body against what every receiver knows; `now` is its step.
 pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Message, Rejection> {
     check_header(config, now, envelope)?;
     let message: Message =
@@ -178,9 +186,6 @@ pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Mes
 fn check_header(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<(), Rejection> {
     if envelope.run != config.run {
         return Err(Rejection::Run);
-    }
-    if envelope.src.0 >= config.fleet.count || envelope.src == config.id {
-        return Err(Rejection::Sender { got: envelope.src.0, fleet: config.fleet.count });
     }
     // A neighbour may already be in the step that this agent's next frame begins.
     let ahead = 1 + (config.exchange.clock_skew_s / config.period_s).ceil() as u32;

@@ -5,8 +5,10 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use csat_agent::agent::SetMembershipAgent;
+use csat_agent::commons::Identity;
 use csat_agent::config::AgentConfig;
 use csat_agent::estimate::Estimator;
 use csat_agent::estimate::evidence::Heard;
@@ -50,8 +52,6 @@ pub struct Moment {
     /// Before the frame.
     pub before: Knowledge,
     pub measured: Measured,
-    /// Before the frame, but for the map.
-    pub looked: Knowledge,
     /// Cells of the map that the frame changed.
     pub changed: BTreeMap<u32, OemCell>,
     /// Facts held before the frame.
@@ -116,16 +116,14 @@ fn record(
     seed: u64,
 ) -> Moment {
     let config = agents[0].config().clone();
-    let before = agents[0].knowledge().clone();
+    let before = Knowledge::clone(agents[0].knowledge());
     let known: Vec<Known> = agents.iter().skip(1).map(|agent| known(agent.knowledge())).collect();
     for (agent, frame) in agents.iter_mut().zip(&frames) {
         agent.handle_frame(now, frame);
     }
     let measured = sensor.clone().measure(&frames[0]);
     assert_eq!(Some(&measured), agents[0].measured(), "the sensor saw something else");
-    let looked = agents[0].knowledge().clone();
-    let cells = before.oem.cells().iter().zip(looked.oem.cells()).zip(0..);
-    let changed = cells.filter(|((a, b), _)| a != b).map(|((_, b), cell)| (cell, *b)).collect();
+    let changed = before.oem.changes(&measured.oem);
     let neighbours_hidden = agents
         .iter()
         .skip(1)
@@ -135,7 +133,7 @@ fn record(
     let (facts, plans) = read(&heard);
     assert_eq!((facts.len(), plans.len()), (agents.len() - 1, agents.len() - 1));
     let held = facts[0].fact.held.facts.clone();
-    let snapshots = facts.iter().zip(known).map(|(h, known)| snapshot(h, known, &looked)).collect();
+    let snapshots = facts.iter().zip(known).map(|(h, known)| snapshot(h, known, &before)).collect();
     let estimator = Estimator::new(&config);
     let (mut corrected, mut fused) = (before.clone(), before.clone());
     let own = Some((frames[0].step, &measured));
@@ -150,7 +148,6 @@ fn record(
         sensor,
         before,
         measured,
-        looked,
         changed,
         held,
         corrected,
@@ -170,7 +167,10 @@ fn read(letters: &[Vec<u8>]) -> (Vec<Heard>, Vec<Vec<Pose>>) {
         let Envelope { src, incarnation, body, .. } =
             Envelope::decode(bytes).expect("an agent's own envelope");
         match postcard::from_bytes(&body).expect("an agent's own message") {
-            Message::Fact(fact) => facts.push(Heard { src, incarnation, fact, known: None }),
+            Message::Fact(fact) => {
+                let (fact, identity) = (Arc::new(fact), Identity::of(bytes));
+                facts.push(Heard { src, incarnation, fact, known: None, identity });
+            }
             Message::Plan(plan) if plan.pass == 0 => plans.push(plan.poses),
             Message::Plan(_) | Message::Snapshot(_) => {}
         }
@@ -188,9 +188,9 @@ fn known(knowledge: &Knowledge) -> Known {
 }
 
 /// The same fact as a snapshot, with the whole map.
-fn snapshot(heard: &Heard, known: Known, looked: &Knowledge) -> Heard {
-    let fact = Fact { oem: OemPatch::of(looked.oem.known()), ..heard.fact.clone() };
-    Heard { fact, known: Some(known), ..heard.clone() }
+fn snapshot(heard: &Heard, known: Known, before: &Knowledge) -> Heard {
+    let fact = Fact { oem: OemPatch::of(before.oem.known()), ..Fact::clone(&heard.fact) };
+    Heard { fact: Arc::new(fact), known: Some(Arc::new(known)), ..heard.clone() }
 }
 
 /// Lets the agents talk until nothing is left to say; returns all that agent 0 heard.

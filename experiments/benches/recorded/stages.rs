@@ -6,8 +6,10 @@
 
 use std::hint::black_box;
 
+use csat_agent::commons::Commons;
 use csat_agent::config::{AgentConfig, Criterion, ExchangeMode};
 use csat_agent::estimate::evidence::Heard;
+use csat_agent::estimate::settled::Coarse;
 use csat_agent::estimate::state::Knowledge;
 use csat_agent::estimate::{Changes, Estimator};
 use csat_agent::exchange::held::Held;
@@ -40,21 +42,21 @@ pub fn outbox(config: &AgentConfig) -> (Outbox, Repair) {
 
 /// An inbox that has heard nobody.
 pub fn inbox(config: &AgentConfig) -> (Inbox, Held) {
-    (Inbox::new(config), Held::new(config))
+    (Inbox::new(config, Commons::default()), Held::new(config))
 }
 
 /// One pass of guidance as the agent does it: picture, then search.
 fn decide(planner: &mut Planner, moment: &Moment) -> Decision {
     let knowledge = &moment.fused;
-    let margin = Raster::of_region(moment.config.raster_grid(), knowledge.margin.region());
+    let coarse = Coarse::of(knowledge);
     let neighbours_hidden_now: Vec<Option<&Raster>> =
         moment.neighbours_hidden.iter().map(Some).collect();
     let picture = Picture {
-        wanted: &knowledge.wanted(),
-        margin: &margin,
+        wanted: &coarse.wanted,
+        margin: &coarse.margin,
         hidden_now: &moment.measured.hidden,
         neighbours_hidden_now: &neighbours_hidden_now,
-        hidden_recent: &knowledge.hidden_recently(),
+        hidden_recent: &coarse.hidden_recently,
         oem: &knowledge.oem,
     };
     planner.plan(&picture, &moment.frame.pose, &moment.plans)
@@ -96,14 +98,14 @@ pub fn stage_say((outbox, repair): &mut (Outbox, Repair), moment: &Moment) {
         pose: moment.frame.pose,
         measured: &moment.measured,
         changed: moment.changed.clone(),
-        knowledge: &moment.looked,
+        knowledge: &moment.before,
         held: Digest {
             facts: moment.held.clone(),
             oem: moment.before.oem.block_hashes().told_at(moment.frame.step),
         },
         uavs: vec![[0.0; 2]; 4],
     };
-    assert!(outbox.say_step(&account, repair));
+    assert!(outbox.say_step(&account, repair).is_some());
 }
 
 /// Decodes and validates everything that the neighbours said in this step.

@@ -4,6 +4,7 @@ mod documents;
 pub mod report;
 
 use csat_agent::agent::{Event, SetMembershipAgent};
+use csat_agent::commons::Commons;
 use csat_agent::config::AgentConfig;
 use csat_proto::camera::CameraModel;
 use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
@@ -20,6 +21,8 @@ use report::Report;
 #[derive(Debug, Clone)]
 pub struct SetMembership {
     config: AgentConfig,
+    /// `None` if every agent is to work everything out by itself.
+    commons: Option<Commons>,
 }
 
 impl SetMembership {
@@ -39,7 +42,12 @@ impl SetMembership {
             exchange: scenario.exchange.clone(),
             channels: scenario.channels(),
         };
-        Self { config }
+        Self { config, commons: Some(Commons::default()) }
+    }
+
+    /// The same with agents that share no work: the results are the same, too.
+    pub fn each_by_itself(self) -> Self {
+        Self { commons: None, ..self }
     }
 }
 
@@ -48,7 +56,8 @@ impl Mission for SetMembership {
     type Report = Report;
 
     fn agent(&self, id: AgentId, incarnation: Incarnation) -> SetMembershipAgent {
-        SetMembershipAgent::new(&AgentConfig { id, incarnation, ..self.config.clone() })
+        let config = AgentConfig { id, incarnation, ..self.config.clone() };
+        SetMembershipAgent::sharing(&config, self.commons.clone().unwrap_or_default())
     }
 
     fn camera(&self) -> CameraModel {

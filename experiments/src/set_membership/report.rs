@@ -10,7 +10,7 @@ use csat_proto::region::Region;
 use csat_proto::time::Step;
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::{hidden_unexplored_pct, oem_iou_pct};
+use crate::metrics::{oem_iou_pct, percent_of};
 use crate::plug::{Detail, Tally};
 
 /// What an agent knows at the end of a step. Sets are on the grid of `proto::region`, bit by bit
@@ -63,6 +63,8 @@ impl Report {
         let ground = Ground { size_m: agent.config().ground.size_m };
         let measured = agent.measured();
         let unexplored = knowledge.unexplored.region();
+        let hidden_cells = knowledge.coarse().unexplored.count_common(&knowledge.hidden);
+        let hidden_m2 = f64::from(hidden_cells) * knowledge.hidden.grid().cell_m.powi(2);
         let rejected = agent.rejected().iter().map(|(reason, n)| ((*reason).to_owned(), *n));
         let maps = || Maps {
             hidden: knowledge.hidden.clone(),
@@ -79,7 +81,7 @@ impl Report {
             clear_ground: measured.map(|m| m.clear_ground.region().clone()),
             detected: measured.into_iter().flat_map(|m| &m.targets).map(|t| t.target).collect(),
             planned: agent.planned().to_vec(),
-            hidden_pct: hidden_unexplored_pct(unexplored, &knowledge.hidden, &ground),
+            hidden_pct: percent_of(&ground, hidden_m2),
             oem_iou_pct: measured.and_then(|m| oem_iou_pct(&m.hidden, &expected)),
             tally: Tally { rejected: rejected.collect(), withheld: agent.withheld() },
             maps: (detail == Detail::Full).then(maps),

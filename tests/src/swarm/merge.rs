@@ -1,6 +1,9 @@
 //! The laws of merging, on what agents really know and hear: two messages in either order, or twice,
 //! make the same knowledge.
 
+use std::sync::Arc;
+
+use csat_agent::commons::Identity;
 use csat_agent::estimate::Estimator;
 use csat_agent::estimate::evidence::Heard;
 use csat_agent::estimate::state::Knowledge;
@@ -51,7 +54,13 @@ fn decode(bytes: &[u8]) -> Option<Heard> {
         Message::Snapshot(snapshot) => (snapshot.fact, Some(snapshot.known)),
         Message::Plan(_) => return None,
     };
-    Some(Heard { src, incarnation, fact, known })
+    Some(Heard {
+        src,
+        incarnation,
+        fact: Arc::new(fact),
+        known: known.map(Arc::new),
+        identity: Identity::of(bytes),
+    })
 }
 
 fn compare(a: &Knowledge, b: &Knowledge) -> Result<(), String> {

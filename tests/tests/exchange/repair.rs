@@ -1,6 +1,7 @@
 //! What was lost comes back: digests show who lacks what, and somebody says it again.
 
 use csat_agent::config::ExchangeMode;
+use csat_agent::estimate::state::Knowledge;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::message::{Digest, Message};
 use csat_proto::time::Step;
@@ -83,7 +84,7 @@ fn what_was_lost_both_ways_is_repaired_long_before_the_next_snapshot() {
     while flight.pair.step.0 < LOST.end - 1 {
         step_with(&mut flight, silence);
     }
-    let knowledge = |flight: &Flight, i: usize| flight.pair.agent(i).knowledge().clone();
+    let knowledge = |flight: &Flight, i: usize| Knowledge::clone(flight.pair.agent(i).knowledge());
     let [before, other] = [0, 1].map(|i| knowledge(&flight, i));
     assert!(before.oem != other.oem && before.digest() != other.digest(), "nothing was lost");
     assert!(repairs(&flight.pair.letters).is_empty(), "nobody can know yet");
