@@ -122,8 +122,9 @@ fn is_on(outage: &OutageConfig, now: SimTime) -> bool {
 
 /// What may stand between antennas, if a channel of `netem` asks for it.
 pub fn obstruction(netem: &NetemConfig, world: &World) -> Option<Arc<dyn Obstruction>> {
-    let is_needed = netem.all_channels().any(|(_, channel)| channel.propagation.is_some());
-    is_needed.then(|| Arc::new(Buildings::new(world.obstacles())) as Arc<dyn Obstruction>)
+    netem
+        .has_propagation()
+        .then(|| Arc::new(Buildings::new(world.obstacles())) as Arc<dyn Obstruction>)
 }
 
 impl<M: Mission + Clone> Engine<M> {

@@ -66,10 +66,14 @@ pub struct FleetModel {
     pub count: u16,
     /// v^u, the constant horizontal speed, in m/s.
     pub speed_m_s: f64,
-    /// Altitude of UAV 0, in metres; UAV i flies at `altitude_m + i * altitude_step_m`.
+    /// Altitude of UAV 0, in metres; UAV i flies i steps above it.
     pub altitude_m: f64,
-    /// Difference of altitude between consecutive UAVs, in metres.
+    /// Difference of altitude between consecutive UAVs, in metres; less in a fleet that would not
+    /// fit into `altitude_band_m` else.
     pub altitude_step_m: f64,
+    /// Between the altitudes of the first and the last UAV at most, in metres: from far above, a
+    /// camera sees no ground within d_max and no car by enough pixels.
+    pub altitude_band_m: f64,
     /// How far outside the western border the fleet starts, in metres.
     pub start_offset_m: f64,
     /// Settling time t_5% of the yaw response, in seconds (thesis figure 5.3).
@@ -79,7 +83,9 @@ pub struct FleetModel {
 impl FleetModel {
     /// The altitude of UAV `index`, in metres.
     pub fn altitude_of(&self, index: u16) -> f64 {
-        self.altitude_m + f64::from(index) * self.altitude_step_m
+        let widest_m = self.altitude_band_m / f64::from(self.count.max(2) - 1);
+        let step_m = self.altitude_step_m.max(-widest_m).min(widest_m);
+        self.altitude_m + f64::from(index) * step_m
     }
 }
 
@@ -90,8 +96,26 @@ impl Default for FleetModel {
             speed_m_s: 5.0,
             altitude_m: 52.0,
             altitude_step_m: 3.0,
+            altitude_band_m: 24.0,
             start_offset_m: 10.0,
             yaw_settling_s: 1.2,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_fleet_flies_in_the_band_too() {
+        let fleet = |count| FleetModel { count, ..FleetModel::default() };
+        assert_eq!([0, 3].map(|i| fleet(4).altitude_of(i)), [52.0, 61.0]);
+        assert_eq!([0, 8].map(|i| fleet(9).altitude_of(i)), [52.0, 76.0]);
+        assert_eq!([0, 63].map(|i| fleet(64).altitude_of(i)), [52.0, 76.0]);
+        assert!(fleet(64).altitude_of(1) > 52.0, "each its own");
+        let downwards = FleetModel { altitude_step_m: -2.0, ..fleet(25) };
+        assert_eq!(downwards.altitude_of(24), 28.0);
+        assert_eq!(fleet(1).altitude_of(0), 52.0);
     }
 }

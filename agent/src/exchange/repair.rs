@@ -34,6 +34,8 @@ pub struct Repair {
     past: VecDeque<(Step, Vec<HeldFacts>)>,
     /// The own map.
     map: BlockHashes,
+    /// What a digest of some step tells of it.
+    told: Option<(Step, Vec<u16>)>,
     /// Who lacks facts, and when to answer.
     lacking: BTreeMap<AgentId, Step>,
     /// Per neighbour and block that it holds differently, when to say the block again.
@@ -53,6 +55,7 @@ impl Repair {
             period: steps(config.exchange.repair_period_s),
             past: VecDeque::new(),
             map: BlockHashes::default(),
+            told: None,
             lacking: BTreeMap::new(),
             blocks: BTreeMap::new(),
             next: Step(0),
@@ -63,6 +66,7 @@ impl Repair {
     pub fn hold(&mut self, now: Step, facts: Vec<HeldFacts>, map: &BlockHashes) -> Digest {
         let oem = map.told_at(now);
         self.map.clone_from(map);
+        self.told = Some((now, oem.clone()));
         self.past.push_back((now, facts.clone()));
         while self.past.get(1).is_some_and(|(step, _)| step.0.saturating_add(self.delay) <= now.0) {
             self.past.pop_front();
@@ -78,12 +82,19 @@ impl Repair {
         } else {
             self.lacking.remove(&from);
         }
-        for (block, (theirs, ours)) in digest.oem.iter().zip(&self.map.told_at(then)).enumerate() {
-            if theirs == ours {
-                self.blocks.remove(&(from, block));
-            } else {
-                self.blocks.entry((from, block)).or_insert(Step(answer_at.0 + self.delay));
-            }
+        // Most neighbours tell of the same step and hold the same map.
+        if self.told.as_ref().is_none_or(|(step, _)| *step != then) {
+            self.told = Some((then, self.map.told_at(then)));
+        }
+        let told = self.told.iter().flat_map(|(_, told)| told);
+        let differs = |(block, (theirs, ours))| (theirs != ours).then_some(block);
+        let differing = digest.oem.iter().zip(told).enumerate().filter_map(differs);
+        let differing: BTreeSet<usize> = differing.collect();
+        let heard = 0..digest.oem.len();
+        let agrees = |block: &usize| heard.contains(block) && !differing.contains(block);
+        self.blocks.retain(|(who, block), _| *who != from || !agrees(block));
+        for block in differing {
+            self.blocks.entry((from, block)).or_insert(Step(answer_at.0 + self.delay));
         }
     }
 
@@ -139,8 +150,8 @@ impl Repair {
         let held = self.past.front().filter(is_old).into_iter().flat_map(|(_, facts)| facts);
         held.filter(|facts| facts.origin != from).any(|ours| {
             let key = (ours.origin, ours.incarnation);
-            let theirs = digest.facts.iter().find(|f| (f.origin, f.incarnation) == key);
-            theirs.map_or(0, |f| f.count) < ours.count
+            let theirs = digest.facts.binary_search_by_key(&key, |f| (f.origin, f.incarnation));
+            theirs.map_or(0, |index| digest.facts[index].count) < ours.count
         })
     }
 
@@ -172,6 +183,7 @@ mod tests {
             period: 10,
             past: VecDeque::new(),
             map: BlockHashes::default(),
+            told: None,
             lacking: BTreeMap::new(),
             blocks: BTreeMap::new(),
             next: Step(0),

@@ -2,8 +2,7 @@
 
 use std::fs::File;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 use anyhow::Context;
 
@@ -11,6 +10,7 @@ use csat_experiments::logs::Logs;
 use csat_experiments::mission::RunOptions;
 use csat_experiments::process::agent::{self, AgentError};
 use csat_experiments::process::arguments::{AgentArguments, WorldArguments};
+use csat_experiments::process::leash;
 use csat_experiments::process::spawn::{self, SpawnArguments};
 use csat_experiments::process::world;
 use csat_experiments::verdict::{BAD_INPUT, DONE};
@@ -32,7 +32,8 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
     let WorldArguments { run, pace, wire, leashed, logs: agents_logs } = arguments;
     let interrupted = super::interrupted_by_the_user()?;
     if *leashed {
-        end_with_stdin(interrupted.clone());
+        let interrupted = interrupted.clone();
+        leash::when_let_go(move || interrupted.store(true, Ordering::SeqCst));
     }
     let options = RunOptions { interrupted };
     let session = match session::open(wire, Role::World) {
@@ -60,14 +61,6 @@ fn adopt(from: &Path, to: &Path) -> std::io::Result<()> {
         std::fs::copy(entry.path(), to.join(entry.file_name()))?;
     }
     std::fs::remove_dir_all(from)
-}
-
-/// Whoever holds the other end of standard input is gone: the mission ends.
-fn end_with_stdin(interrupted: Arc<AtomicBool>) {
-    std::thread::spawn(move || {
-        let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
-        interrupted.store(true, Ordering::SeqCst);
-    });
 }
 
 /// `csat agent`.

@@ -7,26 +7,25 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-use csat_netem::link::Links;
 use csat_proto::camera::CameraModel;
 use csat_proto::control::{
-    Done, FrameHeader, HeaderError, Join, Order, PROTOCOL, Pace, Probe, Ready, SaidSoFar, Welcome,
+    Done, FrameHeader, HeaderError, Order, PROTOCOL, Pace, Probe, Ready, SaidSoFar, Welcome,
 };
 use csat_proto::frame::Frame;
 use csat_proto::frame_wire::{self, PixelsError};
-use csat_proto::ids::{AgentId, ChannelId, RunId};
-use csat_proto::keys::{self, Keys};
+use csat_proto::ids::{AgentId, ChannelId};
+use csat_proto::keys::Keys;
 use csat_proto::time::{SimTime, Step};
-use csat_world::world::{World, WorldErrors};
-use zenoh::query::Query;
-use zenoh::sample::Sample;
+use csat_world::world::WorldErrors;
 use zenoh::{Session, Wait};
+use zenoh::query::Query;
 
 use super::arguments::AgentArguments;
 use super::desk::{Desk, News};
 use super::ether::{self, Ether};
+use super::join::{join, links};
+use super::leash;
 use super::mirror::{Mirror, Picture};
-use crate::engine;
 use crate::fleet::Passage;
 use crate::fleet::remote::account::Account;
 use crate::plug::Detail;
@@ -38,10 +37,6 @@ use crate::wire::session::{self, Role, WireError};
 
 /// How often a process gives signs of life until it flies.
 const PROBE_PERIOD: Duration = Duration::from_millis(50);
-/// How long a world may take to answer a query.
-const ANSWER_LIMIT: Duration = Duration::from_secs(2);
-/// How often the world is asked again.
-const ASK_PERIOD: Duration = Duration::from_millis(200);
 /// In real time: the part of a period for which others' messages are waited for.
 const GRACE_SHARE: f64 = 0.1;
 
@@ -130,7 +125,7 @@ pub enum AgentError {
     Ended(&'static str),
 }
 
-fn zenoh_error(error: zenoh::Error) -> AgentError {
+pub(super) fn zenoh_error(error: zenoh::Error) -> AgentError {
     AgentError::Zenoh(error.to_string())
 }
 
@@ -145,51 +140,6 @@ pub fn fly(arguments: &AgentArguments) -> Result<String, AgentError> {
         .and_then(|welcome| Shell::new(&session, arguments, process, &welcome)?.run());
     session::close(session);
     result
-}
-
-/// Asks until a world answers.
-fn join(
-    session: &Session,
-    arguments: &AgentArguments,
-    process: u64,
-) -> Result<Welcome, AgentError> {
-    let agent = AgentId(arguments.id);
-    let program = concat!("csat ", env!("CARGO_PKG_VERSION")).to_owned();
-    let join = Join { protocol: PROTOCOL, program, agent, process };
-    let payload = serde_json::to_string(&join).expect("a query is JSON");
-    let key = match arguments.run {
-        Some(run) => Keys(RunId(run)).join(agent),
-        None => format!("csat/*/join/{agent}"),
-    };
-    let watch = Stopwatch::start();
-    loop {
-        let replies = session.get(&key).payload(&payload).timeout(ANSWER_LIMIT).wait();
-        if let Ok(reply) = replies.map_err(zenoh_error)?.recv() {
-            return match reply.into_result() {
-                Ok(sample) => welcome(&sample),
-                Err(error) => Err(AgentError::Refused {
-                    agent,
-                    reason: String::from_utf8_lossy(&error.payload().to_bytes()).into_owned(),
-                }),
-            };
-        }
-        if watch.left(arguments.patience).is_zero() {
-            let connect = session::shown_endpoints(&arguments.wire, Role::Agent);
-            let limit_s = arguments.patience.as_secs();
-            return Err(AgentError::NoWorld { key, connect, limit_s });
-        }
-        std::thread::sleep(ASK_PERIOD);
-    }
-}
-
-fn welcome(sample: &Sample) -> Result<Welcome, AgentError> {
-    let welcome: Welcome = serde_json::from_slice(&sample.payload().to_bytes())
-        .map_err(|error| AgentError::Version(error.to_string()))?;
-    let key = sample.key_expr();
-    match keys::split(key.as_str()) {
-        Some((run, _)) if run == welcome.run => Ok(welcome),
-        _ => Err(AgentError::Version(format!("of run {} under `{key}`", welcome.run))),
-    }
 }
 
 /// A turn that waits for messages.
@@ -581,22 +531,6 @@ fn wall(simulated_s: f64, speed: f64) -> Duration {
     Duration::try_from_secs_f64(simulated_s / speed).unwrap_or(Duration::MAX)
 }
 
-/// The links to an agent, with the buildings that stand in their way.
-fn links(scenario: &Scenario, map: Option<&str>) -> Result<Links, AgentError> {
-    let is_needed = scenario.netem.all_channels().any(|(_, c)| c.propagation.is_some());
-    let obstruction = if is_needed {
-        let config = scenario.world_config();
-        let world = match map {
-            Some(text) => World::from_geojson(&config, text, scenario.seed),
-            None => World::new(&config, scenario.seed),
-        };
-        engine::obstruction(&scenario.netem, &world?)
-    } else {
-        None
-    };
-    Ok(Links::new(&scenario.netem, scenario.seed, obstruction))
-}
-
 /// Ctrl-C and SIGTERM end the process, and so does the end of standard input if it is a leash.
 fn watch_for_the_end(desk: &Desk, leashed: bool) {
     let sender = desk.sender();
@@ -610,8 +544,7 @@ fn watch_for_the_end(desk: &Desk, leashed: bool) {
         tracing::warn!(%error, "cannot listen to Ctrl-C");
     }
     if leashed {
-        std::thread::spawn(move || {
-            let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
+        leash::when_let_go(move || {
             let _ = sender.send(News::End("whoever spawned it"));
         });
     }

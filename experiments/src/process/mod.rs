@@ -4,7 +4,9 @@
 //! |---|---|
 //! | [`world`] | the world's process: town, cars, cameras, monitor, recorder |
 //! | [`agent`] | the process of one agent |
+//! | [`join`] | how that process gets to know its mission |
 //! | [`spawn`] | starts both and leaves none behind |
+//! | [`leash`] | how a child notices that its parent is gone |
 //! | [`ether`] | what others say on the links, until it is heard |
 //! | [`desk`] | an agent's Zenoh keys |
 //! | [`mirror`] | what an agent shows to people |
@@ -15,6 +17,8 @@ pub mod agent;
 pub mod arguments;
 pub mod desk;
 pub mod ether;
+pub mod join;
+pub mod leash;
 pub mod mirror;
 pub mod spawn;
 pub mod truth;

@@ -176,6 +176,7 @@ fn impossible_values_are_explained() {
             "0",
             "a number other than 0: each UAV has an altitude of its own",
         ),
+        ("agents.altitude_band_m=0", "0", "a number above 0"),
         (
             "agents.altitude_m=45",
             "45 (the lowest UAV at 45 m)",

@@ -157,6 +157,7 @@ fn fleet(check: &mut Check, scenario: &Scenario) {
         &step.to_string(),
         "a number other than 0: each UAV has an altitude of its own",
     );
+    check.positive("agents.altitude_band_m", fleet.altitude_band_m);
     let (key, floor, what) = match scenario.map.kind {
         MapKind::Generated => {
             ("map.max_height_m", scenario.map.max_height_m, "the highest building")

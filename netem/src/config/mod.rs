@@ -96,6 +96,11 @@ impl NetemConfig {
         std::iter::once((RADIO, &mut self.radio)).chain(others)
     }
 
+    /// Whether any channel asks what stands between antennas.
+    pub fn has_propagation(&self) -> bool {
+        self.all_channels().any(|(_, channel)| channel.propagation.is_some())
+    }
+
     /// The outages in which the agent's process dies and comes back with a higher incarnation.
     pub fn crashes(&self) -> impl Iterator<Item = &OutageConfig> {
         self.outage.iter().filter(|outage| outage.kind == OutageKind::Crash)

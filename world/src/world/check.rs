@@ -38,6 +38,8 @@ pub(super) fn mistakes(config: &WorldConfig) -> Vec<WorldError> {
     }
     let step = fleet.altitude_step_m;
     expect(step.is_finite(), "agents.altitude_step_m", &step, "a number, in metres");
+    let band = fleet.altitude_band_m;
+    expect(positive(band), "agents.altitude_band_m", &band, "a number above 0, in metres");
     let body = targets.body_m;
     let body_ok = body.iter().all(|x| positive(*x));
     expect(body_ok, "targets.body_m", &body, "three lengths above 0");

@@ -1,0 +1,89 @@
+//! How an agent's process gets to know its mission: it asks the world.
+
+use std::time::Duration;
+
+use csat_netem::link::Links;
+use csat_proto::control::{Join, PROTOCOL, Welcome};
+use csat_proto::ids::{AgentId, RunId};
+use csat_proto::keys::{self, Keys};
+use csat_world::world::World;
+use zenoh::sample::Sample;
+use zenoh::{Session, Wait};
+
+use super::agent::{AgentError, zenoh_error};
+use super::arguments::AgentArguments;
+use crate::engine;
+use crate::scenario::Scenario;
+use crate::timing::Stopwatch;
+use crate::wire::session::{self, Role};
+
+/// How long a world may take to answer a query.
+const ANSWER_LIMIT: Duration = Duration::from_secs(2);
+/// How often the world is asked again.
+const ASK_PERIOD: Duration = Duration::from_millis(200);
+
+/// Asks until a world answers.
+///
+/// # Errors
+/// When none does in time, or one refuses.
+pub fn join(
+    session: &Session,
+    arguments: &AgentArguments,
+    process: u64,
+) -> Result<Welcome, AgentError> {
+    let agent = AgentId(arguments.id);
+    let program = concat!("csat ", env!("CARGO_PKG_VERSION")).to_owned();
+    let join = Join { protocol: PROTOCOL, program, agent, process };
+    let payload = serde_json::to_string(&join).expect("a query is JSON");
+    let key = match arguments.run {
+        Some(run) => Keys(RunId(run)).join(agent),
+        None => format!("csat/*/join/{agent}"),
+    };
+    let watch = Stopwatch::start();
+    loop {
+        let replies = session.get(&key).payload(&payload).timeout(ANSWER_LIMIT).wait();
+        if let Ok(reply) = replies.map_err(zenoh_error)?.recv() {
+            return match reply.into_result() {
+                Ok(sample) => welcome(&sample),
+                Err(error) => Err(AgentError::Refused {
+                    agent,
+                    reason: String::from_utf8_lossy(&error.payload().to_bytes()).into_owned(),
+                }),
+            };
+        }
+        if watch.left(arguments.patience).is_zero() {
+            let connect = session::shown_endpoints(&arguments.wire, Role::Agent);
+            let limit_s = arguments.patience.as_secs();
+            return Err(AgentError::NoWorld { key, connect, limit_s });
+        }
+        std::thread::sleep(ASK_PERIOD);
+    }
+}
+
+fn welcome(sample: &Sample) -> Result<Welcome, AgentError> {
+    let welcome: Welcome = serde_json::from_slice(&sample.payload().to_bytes())
+        .map_err(|error| AgentError::Version(error.to_string()))?;
+    let key = sample.key_expr();
+    match keys::split(key.as_str()) {
+        Some((run, _)) if run == welcome.run => Ok(welcome),
+        _ => Err(AgentError::Version(format!("of run {} under `{key}`", welcome.run))),
+    }
+}
+
+/// The links to an agent, with the buildings that stand in their way.
+///
+/// # Errors
+/// When there is no such world.
+pub fn links(scenario: &Scenario, map: Option<&str>) -> Result<Links, AgentError> {
+    let obstruction = if scenario.netem.has_propagation() {
+        let config = scenario.world_config();
+        let world = match map {
+            Some(text) => World::from_geojson(&config, text, scenario.seed),
+            None => World::new(&config, scenario.seed),
+        };
+        engine::obstruction(&scenario.netem, &world?)
+    } else {
+        None
+    };
+    Ok(Links::new(&scenario.netem, scenario.seed, obstruction))
+}
