@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::process::arguments::{AgentArguments, WorldArguments, speed};
 use crate::process::spawn::SpawnArguments;
@@ -26,6 +26,7 @@ Examples:
   csat run                                  fly the paper's city with seed 1
   csat run helsinki-05 --seed 7 --set agents.count=6 --set netem.radio.range_m=150
   csat sweep city --vary netem.radio.range_m=25,50,100,200,400,inf --seeds 1..5
+  csat reproduce chapter5                   the thesis's tables and figures, ours beside theirs
   csat check my.toml                        every mistake at once, with its line
   csat spawn                                the same as processes, each a Zenoh peer
   csat watch                                watch a fleet that flies in the browser
@@ -54,6 +55,8 @@ pub enum Command {
     Agent(AgentArguments),
     /// Fly every combination of values with every seed; tables, plots and a report
     Sweep(SweepArguments),
+    /// Make the published tables and figures again, ours beside theirs
+    Reproduce(ReproduceArguments),
     /// Report every mistake of a scenario at once; flies nothing
     Check(ScenarioArguments),
     /// Play a recording again for whoever listens on Zenoh, at its own pace or another
@@ -173,6 +176,58 @@ pub struct SweepArguments {
     #[arg(long)]
     pub json: bool,
 }
+
+/// What to make again and how.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = REPRODUCE_HELP)]
+pub struct ReproduceArguments {
+    /// Which results
+    pub what: Published,
+    /// The seeds of the missions, or in chapter4 of the depth noise [default: 1..10, chapter4: 1..100]
+    #[arg(long, value_name = "SEEDS")]
+    pub seeds: Option<String>,
+    /// Shorter missions, seconds; their means are over the second half all the same
+    #[arg(long, value_name = "S")]
+    pub duration: Option<f64>,
+    /// Change one value besides what is reproduced, such as camera.columns=240; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub sets: Vec<String>,
+    /// Missions at a time, each on one thread; in chapter4, threads [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: Option<u16>,
+    /// Go on with the same reproduction: what is flown stays
+    #[arg(long)]
+    pub resume: bool,
+    /// The folder, new or empty without --resume [default: reproductions/WHAT, numbered]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Print the tables as JSON on stdout, and nothing else there
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Published results that can be made again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Published {
+    /// Thesis §5.4: five criteria, ten missions of 300 s each (17 minutes of one core)
+    Chapter5,
+    /// The paper's table I: three criteria, ten missions of 300 s each (10 minutes of one core)
+    Table1,
+    /// Thesis §4.7 and A.1.4: one look of one UAV at five cars (seconds)
+    Chapter4,
+}
+
+const REPRODUCE_HELP: &str = "\
+DIR holds report.html (tables and plots, needs no network) and tables.txt; chapter5 and table1 are
+sweeps, so it also holds what `csat sweep --keep-runs` leaves: sweep.json, runs/, folders/, sweep.csv
+and sweep_means.csv.
+
+Exit codes:
+  0    done
+  1    a run failed; the others were flown
+  2    bad input: nothing was run
+  3    a run violated a guarantee or a separation
+  130  ended early by Ctrl-C: the same command with --resume goes on";
 
 const SWEEP_HELP: &str = "\
 Values are TOML or plain words, split at the commas outside of brackets and quotes:

@@ -15,6 +15,9 @@
 //! | [`series`] | those over time, averaged over agents and over the second half |
 //! | [`summary`] | a mission in numbers |
 //! | [`sweep`] | every combination with every seed, and the report |
+//! | [`reproduce`] | the published tables and figures, ours beside theirs |
+//! | [`published`] | the published numbers |
+//! | [`report`] | pages with plots that need nothing but themselves |
 //! | [`record`] | writes a run down while it flies |
 //! | [`show`] | what people get to see: documents, recordings, replays |
 //! | [`run_folder`] | a folder that is whole or not there |
@@ -41,7 +44,10 @@ pub mod plug;
 pub mod process;
 pub mod progress;
 pub mod provenance;
+pub mod published;
 pub mod record;
+pub mod report;
+pub mod reproduce;
 pub mod run_folder;
 pub mod scenario;
 pub mod seat;

@@ -1,5 +1,7 @@
 //! A mission's metrics over time, averaged over its agents.
 
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
 
 use crate::metrics::StepRecord;
@@ -88,12 +90,26 @@ impl Series {
         Self(rows.chunk_by(|a, b| a.step == b.step).filter_map(Point::of).collect())
     }
 
+    /// From a `metrics.csv`.
+    ///
+    /// # Errors
+    /// When it cannot be read or is none.
+    pub fn read(path: &Path) -> Result<Self, csv::Error> {
+        let rows: Result<Vec<StepRecord>, csv::Error> =
+            csv::Reader::from_path(path)?.deserialize().collect();
+        Ok(Self::from_rows(&rows?))
+    }
+
+    /// The points of the second half of the flown time: t = 150..300 s of the thesis's missions.
+    pub fn half(&self) -> impl Iterator<Item = &Point> {
+        let half_s = self.0.last().map_or(0.0, |p| p.time_s / 2.0);
+        self.0.iter().filter(move |p| p.time_s >= half_s)
+    }
+
     /// Means over the second half of the flown time: what thesis tables 5.3-5.6 give for
     /// t = 150..300 s.
     pub fn second_half(&self) -> Means {
-        let half_s = self.0.last().map_or(0.0, |p| p.time_s / 2.0);
-        let half: Vec<Means> =
-            self.0.iter().filter(|p| p.time_s >= half_s).map(|p| p.means).collect();
+        let half: Vec<Means> = self.half().map(|p| p.means).collect();
         let mean = |value: fn(&Means) -> f64| {
             some_mean(half.iter().map(|m| Some(value(m)))).unwrap_or_default()
         };

@@ -1,7 +1,9 @@
 //! What the commands of `csat` do, with their exit codes.
 
 mod fleet;
+mod flight;
 mod replay;
+mod reproduce;
 mod sweep;
 mod tools;
 mod watch;
@@ -28,6 +30,7 @@ use csat_experiments::verdict::{BAD_INPUT, DONE, verdict};
 
 pub use fleet::{agent, spawn, world};
 pub use replay::replay;
+pub use reproduce::reproduce;
 pub use sweep::sweep;
 pub use tools::{doctor, echo};
 pub use watch::watch;

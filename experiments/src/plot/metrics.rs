@@ -6,7 +6,7 @@ use plotters::prelude::*;
 
 use super::PlotError;
 use super::panels::{Curve, GREY, Panel, TEXT, panels};
-use super::reference::SPAN_S;
+use crate::published::SPAN_S;
 use crate::series::{Point, Series};
 use crate::summary::Summary;
 
@@ -137,9 +137,7 @@ fn draw_curves(
 
 /// Name, mean over the second half, and the thesis's.
 fn legend_text(curve: &Curve, unit: &str, series: &Series) -> String {
-    let half_s = series.0.last().map_or(0.0, |p| p.time_s / 2.0);
-    let values: Vec<f64> =
-        series.0.iter().filter(|p| p.time_s >= half_s).filter_map(curve.value).collect();
+    let values: Vec<f64> = series.half().filter_map(curve.value).collect();
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let name = if curve.name.is_empty() { "second half" } else { curve.name };
     let ours = if values.is_empty() { "-".to_owned() } else { format!("{mean:.2}") };

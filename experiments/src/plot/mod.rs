@@ -6,13 +6,11 @@ mod legend;
 mod map;
 mod metrics;
 mod panels;
-mod reference;
 #[cfg(test)]
 mod tests;
 
 use std::path::{Path, PathBuf};
 
-use crate::metrics::StepRecord;
 use crate::run_folder::{FolderError, PartialFile};
 use crate::series::Series;
 use crate::summary::Summary;
@@ -47,7 +45,9 @@ pub enum PlotError {
 pub fn redraw(folder: &Path) -> Result<[PathBuf; 2], PlotError> {
     let view: View = read_json(&folder.join("view.json"))?;
     let summary: Summary = read_json(&folder.join("summary.json"))?;
-    let series = Series::from_rows(&read_rows(&folder.join("metrics.csv"))?);
+    let path = folder.join("metrics.csv");
+    let unreadable = |e: csv::Error| PlotError::Read { path: path.clone(), reason: e.to_string() };
+    let series = Series::read(&path).map_err(unreadable)?;
     let pictures = [
         (folder.join("map.svg"), map_svg(&view)),
         (folder.join("metrics.svg"), metrics_svg(&summary, &series)?),
@@ -64,15 +64,6 @@ fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, PlotError
     let refuse = |reason: String| PlotError::Read { path: path.to_owned(), reason };
     let text = std::fs::read_to_string(path).map_err(|e| refuse(e.to_string()))?;
     serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))
-}
-
-fn read_rows(path: &Path) -> Result<Vec<StepRecord>, PlotError> {
-    let refuse = |e: csv::Error| PlotError::Read { path: path.to_owned(), reason: e.to_string() };
-    csv::Reader::from_path(path)
-        .map_err(refuse)?
-        .deserialize()
-        .collect::<Result<_, _>>()
-        .map_err(refuse)
 }
 
 /// Colours for UAVs: Okabe and Ito's, without the yellow and green that sets have.

@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-use super::reference::{self, Published};
+use crate::published::{Published, Row, reference};
 use crate::series::Point;
 
 const BLUE: RGBColor = RGBColor(0, 114, 178);
@@ -38,7 +38,7 @@ pub struct Panel {
 
 /// All panels, two to a row.
 pub fn panels() -> Vec<Panel> {
-    let thesis = reference::str3_kappa1();
+    let thesis = reference().chapter5.str3_kappa1;
     let [identified, in_view] = target_panels();
     let [unexplored, ground_in_view] = ground_panels(&thesis);
     vec![
@@ -92,7 +92,7 @@ fn target_panels() -> [Panel; 2] {
     ]
 }
 
-fn ground_panels(thesis: &reference::Row) -> [Panel; 2] {
+fn ground_panels(thesis: &Row) -> [Panel; 2] {
     let panel = |title, curves| Panel { title, unit: "%", axis: [10.0, 100.0], curves };
     [
         panel(
@@ -122,8 +122,8 @@ impl Curve {
     }
 
     /// With the thesis's mean.
-    fn beside(self, published: Published) -> Self {
-        Self { published: Some(published), ..self }
+    fn beside(self, published: impl Into<Option<Published>>) -> Self {
+        Self { published: published.into(), ..self }
     }
 }
 
@@ -139,7 +139,8 @@ impl Panel {
     }
 
     /// With the thesis's mean.
-    fn beside(mut self, published: Published) -> Self {
+    fn beside(mut self, published: impl Into<Option<Published>>) -> Self {
+        let published = published.into();
         self.curves = self.curves.into_iter().map(|c| c.beside(published)).collect();
         self
     }

@@ -17,8 +17,8 @@ use csat_proto::ids::{AgentId, ChannelId};
 use csat_proto::keys::Keys;
 use csat_proto::time::{SimTime, Step};
 use csat_world::world::WorldErrors;
-use zenoh::{Session, Wait};
 use zenoh::query::Query;
+use zenoh::{Session, Wait};
 
 use super::arguments::AgentArguments;
 use super::desk::{Desk, News};

@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::SweepError;
-use super::plan::{Point, Run};
+use super::manifest::{self, Manifest};
+use super::plan::{self, Point, Run};
 use super::vary::Axis;
 use crate::scenario::{self, Loaded, Mistake, Mistakes, Request};
 
@@ -29,6 +30,25 @@ struct Probe {
     hash: String,
     scenario_toml: String,
     warnings: Vec<String>,
+}
+
+/// Everything that `request` asks for, loaded once, and the distinct warnings.
+///
+/// # Errors
+/// As [`check`].
+pub fn manifest(request: manifest::Request) -> Result<(Manifest, Vec<String>), SweepError> {
+    let manifest::Request { source, sets, axes, seeds, baseline } = &request;
+    let mut points = plan::points(axes);
+    let checked = check(source, sets, axes, &mut points, seeds)?;
+    if *baseline {
+        let mut perfect = plan::baselines(axes, &points);
+        if !perfect.is_empty() {
+            check(source, sets, axes, &mut perfect, &seeds[..1])?;
+        }
+        points.extend(perfect);
+    }
+    let warnings = checked.warnings.clone();
+    Ok((Manifest::new(request, points, checked), warnings))
 }
 
 /// Loads one run of a point. A baseline has perfect links whatever the sets left over.

@@ -29,13 +29,13 @@ pub struct Taking {
     pub resume: bool,
 }
 
-/// The folder that is used when the user names none: the first free one, or with `resume` the last
-/// one that is there.
+/// The folder in `parent` that is used when the user names none: the first free one, or with `resume`
+/// the last one that is there.
 ///
 /// # Errors
 /// When the system refuses.
-pub fn default_root(name: &str, resume: bool) -> Result<PathBuf, SweepError> {
-    let free = Destination::Numbered(PathBuf::from("sweeps").join(name)).resolve()?;
+pub fn default_root(parent: &str, name: &str, resume: bool) -> Result<PathBuf, SweepError> {
+    let free = Destination::Numbered(PathBuf::from(parent).join(name)).resolve()?;
     if !resume {
         return Ok(free);
     }
@@ -43,7 +43,7 @@ pub fn default_root(name: &str, resume: bool) -> Result<PathBuf, SweepError> {
         let file = path.file_name()?.to_str()?.strip_prefix(name)?;
         if file.is_empty() { Some(1) } else { file.strip_prefix('-')?.parse::<u64>().ok() }
     };
-    let there = fs::read_dir("sweeps").into_iter().flatten().flatten().map(|entry| entry.path());
+    let there = fs::read_dir(parent).into_iter().flatten().flatten().map(|entry| entry.path());
     Ok(there.filter(|path| number(path).is_some()).max_by_key(|p| number(p)).unwrap_or(free))
 }
 

@@ -13,10 +13,19 @@ use super::{SweepError, report, table};
 /// # Errors
 /// When a file is not what it should be, or the system refuses.
 pub fn conclude(folder: &SweepFolder, manifest: &Manifest) -> Result<Results, SweepError> {
+    let results = tables(folder, manifest)?;
+    folder.write("report.html", &report::html(&results))?;
+    Ok(results)
+}
+
+/// The same without the report.
+///
+/// # Errors
+/// As [`conclude`].
+pub fn tables(folder: &SweepFolder, manifest: &Manifest) -> Result<Results, SweepError> {
     let results = Results::read(folder, manifest.clone())?;
     folder.write("sweep.csv", &table::runs_csv(&results))?;
     folder.write("sweep_means.csv", &table::means_csv(&results))?;
-    folder.write("report.html", &report::html(&results))?;
     Ok(results)
 }
 

@@ -2,8 +2,8 @@
 //! plots of their own.
 
 use super::Metric;
-use super::axis::XAxis;
-use super::chart::{Chart, Dot, Line, Mark};
+use crate::report::axis::XAxis;
+use crate::report::chart::{Chart, Dot, Line, Mark};
 use crate::sweep::plan::Point;
 use crate::sweep::results::{RESTRICTED, Results, metric};
 use crate::sweep::stats::Stats;

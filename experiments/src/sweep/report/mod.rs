@@ -1,14 +1,11 @@
 //! `report.html`: a page that needs nothing but itself.
 
-mod axis;
-mod chart;
 mod figures;
 mod page;
-mod shapes;
 #[cfg(test)]
 mod tests;
 
-pub use page::html;
+pub use page::{alarms, head, html, scenario};
 
 /// What is drawn of a run.
 #[derive(Debug, Clone, Copy)]

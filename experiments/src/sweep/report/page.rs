@@ -2,39 +2,38 @@
 
 use std::fmt::Write;
 
-use super::axis::short;
-use super::shapes::escaped;
 use super::{METRICS, figures};
+use crate::report::axis::short;
+use crate::report::page;
+use crate::report::shapes::escaped;
+use crate::sweep::manifest::Manifest;
 use crate::sweep::results::{Counts, Results};
 
-const STYLE: &str =
-    concat!(include_str!("style.css"), include_str!("plot.css"), include_str!("plot_dark.css"));
 /// The most failed or missing runs that are listed one by one.
 const MAX_LISTED: usize = 200;
 
-/// The report; well-formed XML too, and a function of the results alone.
+/// The report: a function of the results alone.
 pub fn html(results: &Results) -> String {
     let manifest = &results.manifest;
-    let title = format!("Sweep of {}", escaped(&manifest.scenario));
-    let mut page = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
-         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
-    );
-    page += &head(results);
-    page += &alarms(results);
-    page += &plots(results);
-    page += &table(results);
-    page += &format!(
-        "<h2>The scenario</h2>\n<details><summary>In full, at the first point</summary>\n\
-         <pre>{}</pre></details>\n</body>\n</html>\n",
-        escaped(&manifest.scenario_toml)
-    );
-    page
+    let body = head(results, &manifest.command())
+        + &alarms(results)
+        + &plots(results)
+        + &table(results)
+        + &scenario(manifest);
+    page::document(&format!("Sweep of {}", manifest.scenario), &body)
 }
 
-/// What was flown and with what.
-fn head(results: &Results) -> String {
+/// The scenario in full.
+pub fn scenario(manifest: &Manifest) -> String {
+    format!(
+        "<h2>The scenario</h2>\n<details><summary>In full, at the first point</summary>\n\
+         <pre>{}</pre></details>\n",
+        escaped(&manifest.scenario_toml)
+    )
+}
+
+/// What was flown and with what, and the command that flies it again.
+pub fn head(results: &Results, again: &str) -> String {
     let manifest = &results.manifest;
     let Counts { runs, flown, failed, missing, violated } = results.counts();
     let revision = match (&manifest.git_revision, manifest.git_dirty) {
@@ -56,14 +55,13 @@ fn head(results: &Results) -> String {
         ("seeds", escaped(&manifest.seeds)),
         ("runs", format!("{runs}: {flown} flown ({of_flown}), {failed} failed, {missing} missing")),
         ("csat", format!("{}, revision {}", escaped(&manifest.version), escaped(&revision))),
-        ("again", format!("<code>{}</code>", escaped(&manifest.command()))),
+        ("again", format!("<code>{}</code>", escaped(again))),
     ];
-    let rows = rows.map(|(name, value)| format!("<dt>{name}</dt><dd>{value}</dd>\n"));
-    format!("<dl>\n{}</dl>\n", rows.concat())
+    page::definitions(&rows)
 }
 
 /// Runs that are not what they should be, each with the command that flies it again.
-fn alarms(results: &Results) -> String {
+pub fn alarms(results: &Results) -> String {
     let manifest = &results.manifest;
     let (mut failed, mut violated, mut missing) = (Vec::new(), Vec::new(), Vec::new());
     for (run, record) in &results.runs {
@@ -113,16 +111,10 @@ fn plots(results: &Results) -> String {
         if !facet.name.is_empty() {
             let _ = writeln!(page, "<h3>{}</h3>", escaped(&facet.name));
         }
-        page += "<div class=\"figures\">\n";
-        for metric in &METRICS {
+        page += &page::figures(METRICS.iter().filter_map(|metric| {
             let chart = figures::chart(results, facet, metric, &x);
-            if !chart.is_empty() {
-                let note = escaped(metric.note);
-                let svg = chart.svg();
-                let _ = writeln!(page, "<figure>\n{svg}<figcaption>{note}</figcaption>\n</figure>");
-            }
-        }
-        page += "</div>\n";
+            (!chart.is_empty()).then(|| page::figure(&chart.svg(), metric.note))
+        }));
     }
     page
 }

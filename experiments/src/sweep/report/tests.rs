@@ -1,11 +1,11 @@
 use std::path::Path;
 
-use super::axis::XAxis;
-use super::chart::Chart;
 use super::{METRICS, figures, html};
+use crate::report::axis::XAxis;
+use crate::report::chart::Chart;
 use crate::sweep::results::tests::made_up;
 
-const PLOT_STYLE: &str = include_str!("plot.css");
+const PLOT_STYLE: &str = include_str!("../../report/plot.css");
 
 /// The first complaint of a reader that wants every tag closed and every sign escaped.
 fn complaint(xml: &str) -> Option<String> {

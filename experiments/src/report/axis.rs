@@ -56,6 +56,17 @@ impl XAxis {
         Self { at, labels, title, is_broken: is_numeric && is_broken, is_numeric }
     }
 
+    /// Numbers from one end to the other, with a label at each of `ticks`.
+    pub fn between(title: &str, [from, to]: [f64; 2], ticks: &[f64]) -> Self {
+        Self {
+            at: ticks.iter().map(|tick| (tick - from) / (to - from)).collect(),
+            labels: ticks.iter().map(|tick| short(*tick)).collect(),
+            title: title.to_owned(),
+            is_broken: false,
+            is_numeric: true,
+        }
+    }
+
     /// Whether labels must lean to have room on so many pixels.
     pub fn leans(&self, width_px: f64) -> bool {
         let longest = self.labels.iter().map(|l| l.chars().count()).max().unwrap_or(0);

@@ -47,26 +47,29 @@ pub fn rounded(value: f64) -> f64 {
     (value * scale).round() / scale
 }
 
-/// The path along the means.
-pub fn means(frame: &Frame, places: &[(f64, Stats)]) -> String {
+/// The path along (pixels, value).
+pub fn path(frame: &Frame, places: &[(f64, f64)]) -> String {
     let mut data = String::new();
-    for (i, (x, s)) in places.iter().enumerate() {
-        let _ = write!(data, "{}{x:.1} {:.1}", if i == 0 { 'M' } else { 'L' }, frame.y(s.mean));
+    for (i, (x, value)) in places.iter().enumerate() {
+        let _ = write!(data, "{}{x:.1} {:.1}", if i == 0 { 'M' } else { 'L' }, frame.y(*value));
     }
     data
 }
 
-/// The area between the ends of the intervals.
-pub fn band(frame: &Frame, places: &[(f64, Stats)], class: &str) -> String {
-    let mut data = String::new();
-    let reach = |s: &Stats| s.half_width.unwrap_or(0.0);
-    for (i, (x, s)) in places.iter().enumerate() {
-        let y = frame.y(s.mean + reach(s));
-        let _ = write!(data, "{}{x:.1} {y:.1}", if i == 0 { 'M' } else { 'L' });
-    }
-    for (x, s) in places.iter().rev() {
-        let _ = write!(data, "L{x:.1} {:.1}", frame.y(s.mean - reach(s)));
-    }
+/// The ends of the confidence intervals, for [`band`].
+pub fn confidence(places: &[(f64, Stats)]) -> Vec<(f64, [f64; 2])> {
+    let ends = |s: &Stats| {
+        let reach = s.half_width.unwrap_or(0.0);
+        [s.mean - reach, s.mean + reach]
+    };
+    places.iter().map(|(x, s)| (*x, ends(s))).collect()
+}
+
+/// The area between (pixels, values).
+pub fn band(frame: &Frame, places: &[(f64, [f64; 2])], class: &str) -> String {
+    let above = places.iter().map(|(x, [_, high])| (*x, *high));
+    let below = places.iter().rev().map(|(x, [low, _])| (*x, *low));
+    let data = path(frame, &above.chain(below).collect::<Vec<_>>());
     format!("<path class=\"{class}\" d=\"{data}Z\"/>\n")
 }
 

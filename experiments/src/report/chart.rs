@@ -1,17 +1,13 @@
-//! One plot: means with their confidence, and every run as a dot. Plain SVG whose colours are those
-//! of the page's style, so that it can be read on light and dark ground.
+//! One plot of a few places: means with their confidence, and every run as a dot.
 
 use std::fmt::Write;
 
-use super::axis::{LEAN_DEG, XAxis, YAxis, short};
+use super::axis::{XAxis, YAxis, short};
 use super::shapes::{
-    AREA, Frame, INSET, LEFT, RIGHT, WIDTH, band, escaped, line, means, rounded, run_dot, symbol,
-    text, whisker,
+    Frame, LEFT, RIGHT, WIDTH, band, confidence, escaped, path, rounded, run_dot, whisker,
 };
+use super::sheet::{self, Entry, Sheet, class};
 use crate::sweep::stats::{Stats, stats};
-
-/// How many colours and marks the style distinguishes.
-const STYLES: usize = 8;
 
 /// A plot.
 #[derive(Debug, Clone)]
@@ -74,24 +70,14 @@ impl Chart<'_> {
 
     /// The plot as SVG.
     pub fn svg(&self) -> String {
-        let (legend, legend_height) = self.legend();
-        let frame = Frame { y: self.y_axis(), top: 40.0 + legend_height };
-        let leans = self.x.leans(WIDTH - LEFT - RIGHT - 2.0 * INSET);
-        let height = frame.bottom() + if leans { self.x.leaning_px() + 34.0 } else { 52.0 };
-        let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" \
-             width=\"{WIDTH}\" height=\"{height:.0}\" role=\"img\">\n<title>{0}</title>\n\
-             <text class=\"name\" x=\"12\" y=\"20\">{0}</text>\n{legend}",
-            escaped(&self.title)
-        );
-        svg += &self.grid(&frame, leans, height);
-        for (index, line) in self.lines.iter().enumerate() {
-            svg += &self.references(&frame, index, line);
-        }
-        for (index, line) in self.lines.iter().enumerate() {
-            svg += &self.series(&frame, index, line);
-        }
-        svg + &self.without(&frame) + "</svg>\n"
+        let Self { title, unit, x, .. } = self;
+        let sheet = Sheet { title, unit, x, y: self.y_axis(), legend: self.legend() };
+        sheet.svg(|frame| {
+            let lines = || self.lines.iter().enumerate();
+            let references = lines().map(|(index, line)| self.references(frame, index, line));
+            let series = lines().map(|(index, line)| self.series(frame, index, line));
+            references.chain(series).collect::<String>() + &self.without(frame)
+        })
     }
 
     fn y_axis(&self) -> YAxis {
@@ -106,52 +92,6 @@ impl Chart<'_> {
         }
         let most = self.top;
         YAxis::around(values.into_iter().map(|v| v.min(most)), most)
-    }
-
-    /// Frame, ticks and titles.
-    fn grid(&self, frame: &Frame, leans: bool, height: f64) -> String {
-        let (left, right, bottom) = (LEFT, WIDTH - RIGHT, frame.bottom());
-        let mut svg = String::from("<g class=\"grid\">\n");
-        for tick in &frame.y.ticks {
-            let y = frame.y(*tick);
-            let label = short((*tick * 1e9).round() / 1e9);
-            line(&mut svg, [left, y], [right, y]);
-            text(&mut svg, [left - 8.0, y + 4.0], "end", &label);
-        }
-        let readable = self.x.readable(WIDTH - LEFT - RIGHT - 2.0 * INSET);
-        for (i, at) in self.x.at.iter().enumerate() {
-            let x = frame.x(*at);
-            line(&mut svg, [x, bottom], [x, bottom + 5.0]);
-            let label = &self.x.labels[i];
-            if leans {
-                let _ = writeln!(
-                    svg,
-                    "<text transform=\"translate({x:.1} {:.1}) rotate(-{LEAN_DEG})\" \
-                     text-anchor=\"end\">{}</text>",
-                    bottom + 16.0,
-                    escaped(label)
-                );
-            } else if readable.contains(&i) {
-                text(&mut svg, [x, bottom + 19.0], "middle", label);
-            }
-        }
-        if self.x.is_broken && self.x.at.len() > 1 {
-            // Two strokes through the axis: what follows is not to scale.
-            let x = frame.x(0.92);
-            for shift in [-3.0, 3.0] {
-                line(&mut svg, [x + shift - 3.0, bottom + 6.0], [x + shift + 3.0, bottom - 6.0]);
-            }
-        }
-        line(&mut svg, [left, bottom], [right, bottom]);
-        line(&mut svg, [left, frame.top], [left, bottom]);
-        text(&mut svg, [(left + right) / 2.0, height - 12.0], "middle", &self.x.title);
-        let _ = writeln!(
-            svg,
-            "<text transform=\"translate(16 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            frame.top + AREA / 2.0,
-            escaped(self.unit)
-        );
-        svg + "</g>\n"
     }
 
     /// What perfect links give, as a dashed line with its band.
@@ -174,17 +114,16 @@ impl Chart<'_> {
         places.insert(0, (LEFT, first.1));
         places.push((WIDTH - RIGHT, last.1));
         let shared = self.lines.iter().all(|l| l.references == self.lines[0].references);
-        let class = if shared { "perfect".to_owned() } else { format!("s{}", index % STYLES) };
+        let class = if shared { "perfect".to_owned() } else { class(index) };
         let mut svg = format!("<g class=\"{class}\">\n");
         if places.iter().all(|(_, s)| s.half_width.is_some()) {
-            svg += &band(frame, &places, "soft band");
+            svg += &band(frame, &confidence(&places), "soft band");
         }
-        let _ = writeln!(svg, "<path class=\"dashed\" d=\"{}\"/>", means(frame, &places));
+        let _ = writeln!(svg, "<path class=\"dashed\" d=\"{}\"/>", path(frame, &means(&places)));
         svg + "</g>\n"
     }
 
     fn series(&self, frame: &Frame, index: usize, line: &Line) -> String {
-        let style = index % STYLES;
         // Series stand a little beside one another so that no dot hides another.
         let middle = (self.lines.len() - 1) as f64 / 2.0;
         // Between words there is more room than between numbers.
@@ -199,17 +138,17 @@ impl Chart<'_> {
             .filter_map(|(at, mark)| Some((frame.x(*at) + shift, mark, mark.stats()?)))
             .collect();
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut svg = format!("<g class=\"s{style}\">\n");
+        let mut svg = format!("<g class=\"{}\">\n", class(index));
         let curve: Vec<(f64, Stats)> = places.iter().map(|(x, _, s)| (*x, *s)).collect();
         if self.x.is_numeric && curve.len() > 1 {
             // A stretch without confidence (a single run at one end) has no band.
             for part in curve.chunk_by(|a, b| a.1.half_width.is_some() == b.1.half_width.is_some())
             {
                 if part[0].1.half_width.is_some() {
-                    svg += &band(frame, part, "band");
+                    svg += &band(frame, &confidence(part), "band");
                 }
             }
-            let _ = writeln!(svg, "<path class=\"mean\" d=\"{}\"/>", means(frame, &curve));
+            let _ = writeln!(svg, "<path class=\"mean\" d=\"{}\"/>", path(frame, &means(&curve)));
         }
         for (x, mark, s) in &places {
             // Beside one another, so that equal values and the whisker hide none.
@@ -226,10 +165,10 @@ impl Chart<'_> {
                 s.half_width.map_or("?".to_owned(), |h| short(rounded(h))),
                 s.n
             );
-            let path = symbol(style, *x, frame.y(s.mean), 5.0);
+            let shape = sheet::mark(index, *x, frame.y(s.mean));
             let _ = writeln!(
                 svg,
-                "<path class=\"mark\" d=\"{path}\"><title>{}</title></path>",
+                "<path class=\"mark\" d=\"{shape}\"><title>{}</title></path>",
                 escaped(&tip)
             );
         }
@@ -256,40 +195,18 @@ impl Chart<'_> {
         svg
     }
 
-    /// The legend and its height; none for a single nameless series.
-    fn legend(&self) -> (String, f64) {
-        let mut entries: Vec<(String, String, String)> = Vec::new();
-        for (index, line) in self.lines.iter().enumerate().filter(|(_, l)| !l.name.is_empty()) {
-            let style = index % STYLES;
-            entries.push((format!("s{style}"), symbol(style, 9.0, -4.0, 5.0), line.name.clone()));
-        }
+    /// None for a single nameless series.
+    fn legend(&self) -> Vec<Entry> {
+        let named = self.lines.iter().enumerate().filter(|(_, line)| !line.name.is_empty());
+        let mut entries: Vec<Entry> = named.map(|(i, line)| Entry::series(i, &line.name)).collect();
         if self.lines.iter().any(|line| line.references.iter().any(Option::is_some)) {
-            let name = "perfect links (dashed)".to_owned();
-            entries.push(("perfect".to_owned(), String::new(), name));
+            entries.push(Entry::dashed("perfect", "perfect links (dashed)"));
         }
-        if entries.is_empty() {
-            return (String::new(), 6.0);
-        }
-        let (mut x, mut y) = (12.0, 40.0);
-        let mut svg = String::from("<g class=\"legend\">\n");
-        for (class, mark, name) in entries {
-            let width = 38.0 + 7.2 * name.chars().count() as f64;
-            if x > 12.0 && x + width > WIDTH - 8.0 {
-                (x, y) = (12.0, y + 18.0);
-            }
-            let sample = if mark.is_empty() {
-                "<path class=\"dashed\" d=\"M0 -4H20\"/>".to_owned()
-            } else {
-                format!("<path class=\"mean\" d=\"M0 -4H18\"/><path class=\"mark\" d=\"{mark}\"/>")
-            };
-            let _ = writeln!(
-                svg,
-                "<g transform=\"translate({x:.1} {y:.1})\"><g class=\"{class}\">{sample}</g>\
-                 <text x=\"25\" y=\"0\">{}</text></g>",
-                escaped(&name)
-            );
-            x += width;
-        }
-        (svg + "</g>\n", y - 14.0)
+        entries
     }
+}
+
+/// Where the means are.
+fn means(places: &[(f64, Stats)]) -> Vec<(f64, f64)> {
+    places.iter().map(|(x, s)| (*x, s.mean)).collect()
 }

@@ -1,0 +1,124 @@
+//! Flying the runs of a sweep that are not there yet, and saying what became of them.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use csat_experiments::sweep::SweepError;
+use csat_experiments::sweep::bar::Bar;
+use csat_experiments::sweep::fly::Hangar;
+use csat_experiments::sweep::folder::SweepFolder;
+use csat_experiments::sweep::manifest::{Manifest, quoted};
+use csat_experiments::sweep::plan::Run;
+use csat_experiments::sweep::record::RunRecord;
+use csat_experiments::sweep::results::{Counts, Results};
+use csat_experiments::sweep::seeds::Shard;
+use csat_experiments::sweep::work::work;
+use csat_experiments::verdict::{BAD_INPUT, DONE, FAILED, INTERRUPTED, VIOLATED};
+
+/// What this process flies.
+pub struct Flight<'a> {
+    /// The sweep.
+    pub manifest: &'a Manifest,
+    /// Its folder.
+    pub folder: &'a SweepFolder,
+    /// Its part.
+    pub shard: Shard,
+    /// Missions at a time.
+    pub jobs: usize,
+    /// Nothing shows meanwhile.
+    pub quiet: bool,
+    /// Run folders stay.
+    pub keep_folders: bool,
+    /// Stops at the first run that fails or violates a guarantee.
+    pub fail_fast: bool,
+}
+
+impl Flight<'_> {
+    /// Flies what has not been flown; gives whether it stopped at a run that failed.
+    pub fn fly(&self, stop: Arc<AtomicBool>) -> Result<bool, SweepError> {
+        let Flight { manifest, folder, shard, keep_folders, .. } = *self;
+        let mine = manifest.runs(shard);
+        let mut runs = Vec::new();
+        for run in &mine {
+            // A run that failed is no result: it may have been a full disk.
+            if folder.run(manifest, run)?.is_none_or(|record| record.failed.is_some()) {
+                runs.push(*run);
+            }
+        }
+        let hangar = Hangar { manifest, folder, shard, keep_folders, stop };
+        let mut bar = Bar::new(mine.len(), mine.len() - runs.len(), self.quiet);
+        let mut failed_fast = false;
+        let done = |run: &Run, record: &RunRecord| {
+            bar.run(&manifest.run_name(run), record);
+            failed_fast |= is_bad(record) && self.fail_fast;
+            !failed_fast
+        };
+        let result = work(&hangar, &runs, self.jobs, done);
+        bar.clear();
+        folder.clear_partial(shard)?;
+        result.map(|()| failed_fast)
+    }
+
+    /// Whether some of its runs are not there.
+    pub fn lacks_runs(&self, results: &Results) -> bool {
+        let mine = self.manifest.runs(self.shard);
+        results.runs.iter().any(|(run, record)| record.is_none() && mine.contains(run))
+    }
+
+    /// Says how to go on after Ctrl-C: with `again`, and in which other ways.
+    pub fn interrupted(&self, again: &str, or: &str) -> u8 {
+        let root = quoted(&self.folder.root().display().to_string());
+        eprintln!("ended early; go on with\n  {again} --resume --out {root}{or}");
+        INTERRUPTED
+    }
+}
+
+fn is_bad(record: &RunRecord) -> bool {
+    record.failed.is_some() || record.violations() > 0
+}
+
+/// Says on stderr which runs are missing or not what they should be.
+pub fn complain(results: &Results) {
+    for (run, record) in &results.runs {
+        let name = results.manifest.run_name(run);
+        match record {
+            None => eprintln!("missing: {name}\n  = fly it with --resume"),
+            Some(record) if is_bad(record) => {
+                eprintln!(
+                    "{name}: {}\n  = fly it again with `{}`",
+                    record.describe(),
+                    record.replay
+                );
+            }
+            Some(_) => {}
+        }
+    }
+}
+
+/// The number of jobs asked for, or one per core.
+pub fn jobs(asked: Option<u16>) -> usize {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    asked.map_or_else(cores, usize::from)
+}
+
+/// The exit code: violations count most.
+pub fn code(counts: &Counts) -> u8 {
+    match counts {
+        Counts { violated: 1.., .. } => VIOLATED,
+        Counts { failed: 1.., .. } => FAILED,
+        _ => DONE,
+    }
+}
+
+/// Tells bad input apart from what failed.
+pub fn judge(result: anyhow::Result<u8>) -> anyhow::Result<u8> {
+    match result.map_err(|error| error.downcast::<SweepError>()) {
+        Ok(code) => Ok(code),
+        Err(Ok(error @ (SweepError::Mistakes(_) | SweepError::Refused(_)))) => {
+            eprintln!("{error}");
+            Ok(BAD_INPUT)
+        }
+        Err(Ok(error)) => Err(error.into()),
+        Err(Err(error)) => Err(error),
+    }
+}

@@ -1,0 +1,187 @@
+//! `csat reproduce`.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+use anyhow::Context;
+use csat_experiments::cli::{Published, ReproduceArguments};
+use csat_experiments::reproduce::chapter4::Chapter4;
+use csat_experiments::reproduce::plan::{self, Plan};
+use csat_experiments::reproduce::table::Table;
+use csat_experiments::reproduce::{chapter5, flown, page, table1};
+use csat_experiments::run_folder::{Destination, FolderError, PartialFile, RunFolder};
+use csat_experiments::scenario::{self, Mistake, Mistakes};
+use csat_experiments::sweep::folder::{SweepFolder, Taking, default_root};
+use csat_experiments::sweep::manifest::{Manifest, quoted};
+use csat_experiments::sweep::results::Results;
+use csat_experiments::sweep::seeds::{Shard, parse_seeds};
+use csat_experiments::sweep::{SweepError, check, merge};
+use csat_experiments::verdict::DONE;
+
+use super::flight::{Flight, code, complain, jobs, judge};
+use super::{interrupted_by_the_user, say};
+
+const REPORT: &str = "report.html";
+const TABLES: &str = "tables.txt";
+
+/// `csat reproduce`.
+pub fn reproduce(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
+    judge(match arguments.what {
+        Published::Chapter5 => fly(arguments, &plan::CHAPTER5),
+        Published::Table1 => fly(arguments, &plan::TABLE1),
+        Published::Chapter4 => look(arguments),
+    })
+}
+
+/// What is a sweep.
+fn fly(arguments: &ReproduceArguments, plan: &Plan) -> anyhow::Result<u8> {
+    let manifest = manifest(arguments, plan)?;
+    let root = root(arguments, plan.name)?;
+    let taking = Taking { shard: Shard::WHOLE, resume: arguments.resume };
+    let folder = SweepFolder::take(&root, &manifest, taking)?;
+    let stop = interrupted_by_the_user()?;
+    let flight = Flight {
+        manifest: &manifest,
+        folder: &folder,
+        shard: Shard::WHOLE,
+        jobs: jobs(arguments.jobs),
+        quiet: arguments.json,
+        keep_folders: true,
+        fail_fast: false,
+    };
+    flight.fly(stop.clone())?;
+    let results = Results::read(&folder, manifest.clone())?;
+    if stop.load(Ordering::SeqCst) && flight.lacks_runs(&results) {
+        return Ok(flight.interrupted(&plan.command(&manifest), ""));
+    }
+    conclude(arguments, plan, &folder, &manifest)
+}
+
+/// Writes the tables and the report, and says what they say.
+fn conclude(
+    arguments: &ReproduceArguments,
+    plan: &Plan,
+    folder: &SweepFolder,
+    manifest: &Manifest,
+) -> anyhow::Result<u8> {
+    let results = merge::tables(folder, manifest)?;
+    let runs = flown::read(folder, &results)?;
+    let names: Vec<String> =
+        manifest.points.iter().map(|point| point.shown(&manifest.vary, 0)).collect();
+    let (tables, figures) = match arguments.what {
+        Published::Chapter5 => (chapter5::tables(&names, &runs), chapter5::figures(&names, &runs)),
+        _ => (table1::tables(&names, &runs), String::new()),
+    };
+    let page = page::html(plan.title, &results, &plan.command(manifest), &runs, &tables, &figures);
+    folder.write(TABLES, &text(&tables))?;
+    folder.write(REPORT, &page)?;
+    if !arguments.json {
+        complain(&results);
+    }
+    tell(arguments, &tables, &page::complaints(&runs), folder.root())?;
+    Ok(code(&results.counts()))
+}
+
+fn manifest(arguments: &ReproduceArguments, plan: &Plan) -> anyhow::Result<Manifest> {
+    let request = plan.request(seeds(arguments, "1..10")?, &sets(arguments));
+    let request = request.map_err(SweepError::Mistakes)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(arguments.jobs)).build();
+    let pool = pool.context("cannot start the threads")?;
+    Ok(pool.install(|| check::manifest(request))?.0)
+}
+
+fn seeds(arguments: &ReproduceArguments, usual: &str) -> Result<Vec<u64>, SweepError> {
+    parse_seeds(arguments.seeds.as_deref().unwrap_or(usual)).map_err(|error| {
+        SweepError::Mistakes(Mistakes(vec![Mistake::new(format!("--seeds: {error}"))]))
+    })
+}
+
+fn sets(arguments: &ReproduceArguments) -> Vec<String> {
+    let duration = arguments.duration.map(|s| format!("run.duration_s={s:?}"));
+    arguments.sets.iter().cloned().chain(duration).collect()
+}
+
+fn root(arguments: &ReproduceArguments, name: &str) -> Result<PathBuf, SweepError> {
+    let usual = || default_root("reproductions", name, arguments.resume);
+    arguments.out.clone().map_or_else(usual, Ok)
+}
+
+fn text(tables: &[Table]) -> String {
+    tables.iter().map(Table::text).collect::<Vec<_>>().join("\n")
+}
+
+fn tell(
+    arguments: &ReproduceArguments,
+    tables: &[Table],
+    complaints: &str,
+    root: &Path,
+) -> anyhow::Result<()> {
+    if arguments.json {
+        return say(&(serde_json::to_string_pretty(tables)? + "\n"));
+    }
+    say(&format!("{}\n{complaints}\n{}\n", text(tables), root.join(REPORT).display()))
+}
+
+/// Chapter 4: no missions.
+fn look(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
+    let refused = |text: &str| SweepError::Refused(format!("error: {text}"));
+    if arguments.duration.is_some() {
+        return Err(refused("--duration: chapter4 has no missions, it looks once").into());
+    }
+    let seeds = seeds(arguments, "1..100")?;
+    let sets = sets(arguments);
+    let request = scenario::Request { scenario: None, sets: &sets, seed: None };
+    let scenario = scenario::load(request).map_err(SweepError::Mistakes)?.scenario;
+    let place = Place::take(root(arguments, "chapter4")?, arguments.resume)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(arguments.jobs)).build();
+    let pool = pool.context("cannot start the threads")?;
+    let seen = pool.install(|| Chapter4::look(&scenario, &seeds));
+    let mut again = "csat reproduce chapter4".to_owned();
+    again += &arguments.seeds.iter().map(|seeds| format!(" --seeds {seeds}")).collect::<String>();
+    again += &sets.iter().map(|set| format!(" --set {}", quoted(set))).collect::<String>();
+    let tables = seen.tables();
+    let files = [(TABLES, text(&tables)), (REPORT, seen.html(&again))];
+    let root = place.fill(&files)?;
+    tell(arguments, &tables, &format!("{} looks per setting", seeds.len()), &root)?;
+    Ok(DONE)
+}
+
+/// Where the files of chapter 4 go.
+enum Place {
+    /// A folder that is new or empty.
+    New(RunFolder),
+    /// One that has them already: they are replaced, each at once.
+    Again(PathBuf),
+}
+
+impl Place {
+    fn take(root: PathBuf, resume: bool) -> Result<Self, SweepError> {
+        if resume && root.join(TABLES).exists() {
+            return Ok(Self::Again(root));
+        }
+        match RunFolder::create(Destination::Named(root)) {
+            Ok(folder) => Ok(Self::New(folder)),
+            Err(error @ FolderError::Io { .. }) => Err(error.into()),
+            Err(error) => Err(SweepError::Refused(format!(
+                "error: {error}\n  = expected with --out a folder that is new or empty"
+            ))),
+        }
+    }
+
+    fn fill(self, files: &[(&str, String)]) -> Result<PathBuf, FolderError> {
+        match self {
+            Self::New(folder) => {
+                files.iter().try_for_each(|(name, text)| folder.write(name, text))?;
+                folder.finish()
+            }
+            Self::Again(root) => {
+                for (name, text) in files {
+                    let mut file = PartialFile::create(root.join(name))?;
+                    file.write_text(text)?;
+                    file.finish()?;
+                }
+                Ok(root)
+            }
+        }
+    }
+}

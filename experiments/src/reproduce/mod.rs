@@ -1,0 +1,22 @@
+//! `csat reproduce`: the published tables and figures, ours beside theirs.
+//!
+//! Thesis chapter 5 and the paper's table I are [sweeps](crate::sweep) with a fixed plan and a report
+//! of their own. Thesis chapter 4 is no mission: one camera, one frame, many depth noises.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`plan`] | what is flown |
+//! | [`flown`] | what was flown: summaries and curves |
+//! | [`quantity`] | what is compared |
+//! | [`table`] | ours beside theirs |
+//! | [`chapter5`], [`table1`], [`chapter4`] | the tables and figures of each |
+//! | [`page`] | `report.html` |
+
+pub mod chapter4;
+pub mod chapter5;
+pub mod flown;
+pub mod page;
+pub mod plan;
+pub mod quantity;
+pub mod table;
+pub mod table1;

@@ -1,0 +1,77 @@
+//! What is flown: fixed sweeps of the shipped `city`.
+
+use crate::scenario::Mistakes;
+use crate::sweep::manifest::{Manifest, Request, quoted};
+use crate::sweep::plan::clashes;
+use crate::sweep::vary::Axis;
+
+/// A fixed sweep.
+#[derive(Debug, Clone, Copy)]
+pub struct Plan {
+    /// What the command line calls it.
+    pub name: &'static str,
+    /// What its page is called.
+    pub title: &'static str,
+    /// What varies, as `--vary` takes it; its labels name the rows of the tables.
+    vary: &'static str,
+    /// What is not as in `city`, as `--set` takes it.
+    sets: &'static [&'static str],
+}
+
+/// Thesis §5.4: `city` has its setting, with perfect links and `sequential-loopback`.
+pub const CHAPTER5: Plan = Plan {
+    name: "chapter5",
+    title: "Thesis chapter 5, ours beside theirs",
+    vary: "guidance.criterion,guidance.kappa=str1:(str1,1),str2-no-hidden:(str2-no-hidden,1),\
+           str2:(str2,1),str3-kappa0:(str3,0),str3-kappa1:(str3,1)",
+    sets: &[],
+};
+
+/// The paper's table I: r_s = 3 m, the least distance of a car's location from obstacles. What it
+/// calls previous work plans by the criterion (5.21), which does not use the map.
+pub const TABLE1: Plan = Plan {
+    name: "table1",
+    title: "The paper's table I, ours beside theirs",
+    vary: "guidance.criterion,guidance.kappa=previous:(str2,1),kappa0:(str3,0),kappa1:(str3,1)",
+    sets: &["targets.obstacle_distance_m=3"],
+};
+
+impl Plan {
+    /// The sweep, with the user's own `--set` after its own.
+    ///
+    /// # Errors
+    /// A `--set` of what the plan varies.
+    pub fn request(&self, seeds: Vec<u64>, sets: &[String]) -> Result<Request, Mistakes> {
+        let axes = vec![Axis::parse(self.vary).map_err(|mistake| Mistakes(vec![mistake]))?];
+        let mistakes = clashes(&axes, sets);
+        if !mistakes.is_empty() {
+            return Err(Mistakes(mistakes));
+        }
+        let fixed = self.sets.iter().map(|&set| set.to_owned());
+        let sets = fixed.chain(sets.iter().cloned()).collect();
+        Ok(Request { source: "city".to_owned(), sets, axes, seeds, baseline: false })
+    }
+
+    /// The command that makes it again.
+    pub fn command(&self, manifest: &Manifest) -> String {
+        let own = manifest.sets.iter().skip(self.sets.len());
+        let sets: String = own.map(|set| format!(" --set {}", quoted(set))).collect();
+        format!("csat reproduce {} --seeds {}{sets}", self.name, manifest.seeds)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plans_are_sweeps_and_keep_their_criteria() {
+        for (plan, points) in [(CHAPTER5, 5), (TABLE1, 3)] {
+            let request = plan.request(vec![1, 2], &["run.duration_s=5".to_owned()]).unwrap();
+            assert_eq!(request.axes[0].values.len(), points);
+            assert_eq!(request.sets.last().unwrap(), "run.duration_s=5");
+            let refused = plan.request(vec![1], &["guidance.kappa=2".to_owned()]).unwrap_err();
+            assert!(refused.to_string().contains("`guidance.kappa` varies"), "{refused}");
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! `csat reproduce`: the published tables beside ours.
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use common::{SMALL, csat, names, read, scratch, text};
+
+fn reproduce(folder: &Path, arguments: &[&str]) -> Output {
+    csat(folder, &[&["reproduce"], arguments].concat())
+}
+
+fn done(folder: &Path, arguments: &[&str]) -> String {
+    let output = reproduce(folder, arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+/// A reproduction that takes a moment: two seeds of the small mission.
+fn small<'a>(what: &'a str, arguments: &[&'a str]) -> Vec<&'a str> {
+    [&[what, "--seeds", "1..2"], SMALL, arguments].concat()
+}
+
+/// All tables but that of computing times.
+fn timeless(tables: &str) -> String {
+    let parts = tables.split("\n\n").filter(|table| !table.starts_with("Computing time"));
+    parts.collect::<Vec<_>>().join("\n\n")
+}
+
+fn stands_alone(page: &str) {
+    let bare = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
+    for fetch in ["http:", "https:", "url(", "<script", "<link", "<img", "src=", "NaN"] {
+        assert!(!bare.contains(fetch), "{fetch}");
+    }
+}
+
+#[test]
+fn chapter5_makes_its_tables_and_figures_and_resumes() {
+    let base = scratch();
+    let said = done(base.path(), &small("chapter5", &["--jobs", "1", "--out", "out"]));
+    for theirs in ["thesis table 5.3", "22.06 ± 2.35", "38.06", "74.38 ± 9.25", "< 150", "2.1500"]
+    {
+        assert!(said.contains(theirs), "{theirs} in {said}");
+    }
+    assert!(said.ends_with("10 missions: 0 violations, 0 inconsistencies\nout/report.html\n"));
+    let out = base.path().join("out");
+    let files = ["folders", "report.html", "runs", "sweep.csv", "sweep.json", "sweep_means.csv"];
+    assert_eq!(names(&out), [&files[..], &["tables.txt"]].concat());
+    assert_eq!(names(&out.join("runs")).len(), 10);
+    let tables = read(&out.join("tables.txt"));
+    assert!(said.starts_with(&tables));
+    let page = read(&out.join("report.html"));
+    stands_alone(&page);
+    assert_eq!(page.matches("<figure>").count(), 11);
+    assert!(page.contains("csat reproduce chapter5 --seeds 1,2 --set run.duration_s=5"));
+
+    // What an interruption may leave.
+    fs::remove_file(out.join("runs/03-criterion-kappa-str2-seed2.json")).unwrap();
+    fs::remove_file(out.join("report.html")).unwrap();
+    let refused = reproduce(base.path(), &small("chapter5", &["--out", "out"]));
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("--resume"));
+    let output = reproduce(base.path(), &small("chapter5", &["--resume", "--out", "out"]));
+    assert_eq!(text(&output.stderr).lines().count(), 1, "{}", text(&output.stderr));
+    assert_eq!(timeless(&read(&out.join("tables.txt"))), timeless(&tables));
+    assert!(out.join("report.html").exists());
+    let other = reproduce(base.path(), &small("table1", &["--resume", "--out", "out"]));
+    assert_eq!(other.status.code(), Some(2));
+    assert!(text(&other.stderr).contains("holds another sweep"));
+}
+
+#[test]
+fn table1_is_told_as_json() {
+    let base = scratch();
+    let said = done(base.path(), &small("table1", &["--duration", "3", "--json"]));
+    let tables: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(tables[0]["source"], "paper, table I");
+    let [name, cells] = tables[0]["rows"][2].as_array().unwrap().as_slice() else { panic!() };
+    assert_eq!((name, &cells[0]["theirs"]["mean"][0]), (&"kappa1".into(), &19.1.into()));
+    assert!(cells[0]["ours"]["mean"].as_f64().is_some_and(|v| v > 0.0 && v <= 100.0));
+    let out = base.path().join("reproductions/table1");
+    let sweep = read(&out.join("sweep.json"));
+    assert!(sweep.contains("targets.obstacle_distance_m=3"));
+    assert!(sweep.contains("run.duration_s=3"));
+}
+
+#[test]
+fn chapter4_needs_no_missions() {
+    let base = scratch();
+    let few = &["chapter4", "--seeds", "1..2", "--jobs", "1"];
+    let said = done(base.path(), &[&few[..], &["--out", "out"]].concat());
+    assert!(said.contains("thesis §4.7.2") && said.contains("91.70"), "{said}");
+    let out = base.path().join("out");
+    assert_eq!(names(&out), ["report.html", "tables.txt"]);
+    stands_alone(&read(&out.join("report.html")));
+    let again = reproduce(base.path(), &[&few[..], &["--out", "out"]].concat());
+    assert_eq!(again.status.code(), Some(2), "{}", text(&again.stderr));
+    let before = read(&out.join("report.html"));
+    done(base.path(), &[&few[..], &["--out", "out", "--resume"]].concat());
+    assert_eq!(read(&out.join("report.html")), before);
+}
+
+#[test]
+fn bad_input_runs_nothing() {
+    let base = scratch();
+    for (arguments, message) in [
+        (&["chapter7"][..], "chapter5"),
+        (&["chapter5", "--seeds", "5..1"], "--seeds: `5..1` has no seed in it"),
+        (&["chapter5", "--set", "guidance.kappa=2"], "`guidance.kappa` varies"),
+        (&["chapter5", "--set", "seed=2"], "the seeds are those of --seeds"),
+        (&["table1", "--duration", "0"], "run.duration_s"),
+        (&["chapter4", "--duration", "5"], "chapter4 has no missions"),
+        (&["chapter4", "--set", "camera.columns=0"], "camera.columns"),
+    ] {
+        let output = reproduce(base.path(), arguments);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(message), "{arguments:?}: {said}");
+    }
+    assert!(names(base.path()).is_empty(), "{:?}", names(base.path()));
+}
