@@ -120,6 +120,13 @@ pub enum Criterion {
     Str2,
     /// (5.27) and (5.32): the OEM predicts what will be hidden.
     Str3,
+    /// Not in the thesis: ground counts for as long as it stays unseen, farther ahead
+    /// ([`Str4Config`]).
+    Str4,
+    /// No planning: each UAV flies a fixed circle.
+    Circles,
+    /// No planning: each UAV sweeps its band of the region, lane by lane.
+    Lawnmower,
 }
 
 /// Who plans when (thesis §5.3.2).
@@ -154,6 +161,32 @@ pub struct GuidanceConfig {
     pub schedule: Schedule,
     /// How long a sequential schedule waits for silent neighbours altogether, seconds.
     pub plan_timeout_s: f64,
+    /// `[guidance.str4]`; the other criteria do not read it.
+    pub str4: Str4Config,
+}
+
+/// `[guidance.str4]`: how far `str4` looks ahead, and how hard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Str4Config {
+    /// The number of blocks of T_MPC in the horizon, instead of `guidance.n_mpc`.
+    pub n_mpc: u8,
+    /// How many candidates are kept per block.
+    pub beam: u16,
+}
+
+impl Default for Str4Config {
+    fn default() -> Self {
+        Self { n_mpc: 6, beam: 60 }
+    }
+}
+
+impl GuidanceConfig {
+    /// The number of blocks in the horizon of the criterion; at least 1.
+    pub fn blocks(&self) -> usize {
+        let blocks = if self.criterion == Criterion::Str4 { self.str4.n_mpc } else { self.n_mpc };
+        usize::from(blocks.max(1))
+    }
 }
 
 impl Default for GuidanceConfig {
@@ -167,6 +200,7 @@ impl Default for GuidanceConfig {
             increments_deg: vec![-60.0, -30.0, 0.0, 30.0, 60.0],
             schedule: Schedule::SequentialLoopback,
             plan_timeout_s: 0.4,
+            str4: Str4Config::default(),
         }
     }
 }

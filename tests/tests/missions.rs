@@ -34,6 +34,23 @@ fn every_way_to_plan_and_to_talk_is_sound() {
     assert!(is_replay() || (flown == 72 && identified > 72), "{identified}");
 }
 
+/// `str4` and the baselines, with perfect links and with bad ones.
+#[test]
+fn what_is_not_in_the_thesis_is_sound_too() {
+    let criteria = [Criterion::Str4, Criterion::Circles, Criterion::Lawnmower];
+    for_seeds(["missions", "what_is_not_in_the_thesis_is_sound_too"], 200..206, |seed| {
+        let mut scenario = small(seed, 140.0, 3);
+        scenario.guidance.criterion = criteria[seed as usize % 3];
+        scenario.guidance.str4.beam = 8;
+        for scenario in [lossy(&scenario), scenario] {
+            let what = format!("seed {seed}, {:?}", scenario.guidance.criterion);
+            let (outcome, again) = (fly(&scenario, 60), fly(&scenario, 60));
+            outcome.check(&what);
+            assert_eq!(outcome.digest, again.digest, "{what}");
+        }
+    });
+}
+
 fn lossy(scenario: &Scenario) -> Scenario {
     let mut lossy = scenario.clone();
     lossy.netem.radio.range_m = 80.0;

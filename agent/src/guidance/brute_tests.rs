@@ -65,9 +65,12 @@ impl BruteSight<'_> {
     fn is_hidden(&self, pose: &Pose, column: u32, row: u32) -> bool {
         let centre = self.scene.wanted.grid().centre(column, row);
         match self.config.guidance.criterion {
-            Criterion::Str1 | Criterion::Str2NoHidden => false,
+            Criterion::Str1
+            | Criterion::Str2NoHidden
+            | Criterion::Circles
+            | Criterion::Lawnmower => false,
             Criterion::Str2 => self.scene.hidden_now.get(column, row),
-            Criterion::Str3 => hides_point(&self.scene.oem, pose.p_world, centre),
+            Criterion::Str3 | Criterion::Str4 => hides_point(&self.scene.oem, pose.p_world, centre),
         }
     }
 

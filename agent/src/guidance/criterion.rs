@@ -67,15 +67,22 @@ pub(super) struct Sight {
 
 impl Sight {
     pub(super) fn new(config: &AgentConfig) -> Self {
-        let grid = config.raster_grid();
+        Self::on(config.raster_grid(), config)
+    }
+
+    /// As [`Self::new`], on another grid.
+    pub(super) fn on(grid: Grid, config: &AgentConfig) -> Self {
         Self {
             camera: config.camera,
             grid,
             criterion: config.guidance.criterion,
             occlusion: match config.guidance.criterion {
-                Criterion::Str1 | Criterion::Str2NoHidden => Occlusion::None,
+                Criterion::Str1
+                | Criterion::Str2NoHidden
+                | Criterion::Circles
+                | Criterion::Lawnmower => Occlusion::None,
                 Criterion::Str2 => Occlusion::Now,
-                Criterion::Str3 => Occlusion::Oem,
+                Criterion::Str3 | Criterion::Str4 => Occlusion::Oem,
             },
             towers: Towers::default(),
             caster: Caster::new(&grid, config.camera.d_max_m),

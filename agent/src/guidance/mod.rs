@@ -7,6 +7,10 @@
 //! | [`criterion`] | what a criterion counts as seen, and its cost |
 //! | [`rollout`] | prediction: poses and X^Δ, block by block |
 //! | `search` | the tree of yaw increments |
+//! | `beam` | `str4`: the best few candidates, block by block |
+//! | `views` | what `str4` sees from where, remembered |
+//! | `turning` | motion with the delay of a turn, for `str4` |
+//! | `route` | `circles` and `lawnmower`: no planning |
 //! | [`schedule`] | who plans when, and with which plans of the others |
 //!
 //! Nothing here needs a guarantee: sets are rasters. Everything is a function of its arguments.
@@ -14,18 +18,24 @@
 use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
 
-use crate::config::AgentConfig;
+use crate::config::{AgentConfig, Criterion};
 use crate::estimate::oem::Oem;
 
+mod beam;
 pub mod criterion;
 mod footprint;
 pub mod rollout;
+mod route;
 pub mod schedule;
 mod search;
 mod shadow;
+mod turning;
+mod views;
 
+use beam::Beam;
 use criterion::{Sight, Terms, Weights};
 use rollout::{Level, Motion, Surroundings};
+use route::Route;
 use search::Search;
 
 /// What an agent knows at a decision, as far as its planner cares. All rasters are on
@@ -43,7 +53,7 @@ pub struct Picture<'a> {
     pub neighbours_hidden_now: &'a [Option<&'a Raster>],
     /// ⋃ H^CVS of all over the last h steps (5.30); only `str3` with κ > 0 weighs it.
     pub hidden_recent: &'a Raster,
-    /// M; only `str3` reads it.
+    /// M; only `str3` and `str4` read it.
     pub oem: &'a Oem,
 }
 
@@ -54,15 +64,27 @@ pub struct Decision {
     pub increments_rad: Vec<f64>,
     /// The predicted poses at the ends of the blocks (5.35): the plan to announce.
     pub poses: Vec<Pose>,
-    /// J⁰ + κ·J² + λ·J¹, m².
+    /// J⁰ + κ·J² + λ·J¹, m²; in `str4` Σ φ(X^Δ) over the blocks, m². 0 when nothing was planned.
     pub cost: f64,
-    /// The terms of the cost.
+    /// The terms of the cost of `str1` to `str3`.
     pub terms: Terms,
     /// How many poses were looked from, neighbours' not counted.
     pub nodes: u32,
 }
 
-/// Plans for one agent. Holds nothing between two plans but configuration and scratch memory.
+/// How a criterion finds what to fly.
+#[derive(Debug, Clone)]
+enum Method {
+    /// `str1` to `str3`: the whole tree.
+    Tree,
+    /// `str4`.
+    Beam(Box<Beam>),
+    /// `circles` and `lawnmower`.
+    Route(Route),
+}
+
+/// Plans for one agent. Holds nothing between two plans but configuration and scratch memory, and
+/// for `lawnmower` the waypoint it flies to.
 #[derive(Debug, Clone)]
 pub struct Planner {
     grid: Grid,
@@ -73,6 +95,7 @@ pub struct Planner {
     growth_m: f64,
     levels: Vec<Level>,
     seen_by_others: Vec<Raster>,
+    method: Method,
 }
 
 impl Planner {
@@ -87,7 +110,14 @@ impl Planner {
         }
         // Among equals the gentlest turn wins, then the first in the list: the sort is stable.
         increments.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
-        let blocks = usize::from(guidance.n_mpc.max(1));
+        let blocks = guidance.blocks();
+        let method = match Route::new(config, &increments) {
+            Some(route) => Method::Route(route),
+            None if guidance.criterion == Criterion::Str4 => {
+                Method::Beam(Box::new(Beam::new(config, increments.clone())))
+            }
+            None => Method::Tree,
+        };
         Self {
             grid,
             sight: Sight::new(config),
@@ -97,15 +127,30 @@ impl Planner {
             growth_m: config.targets.v_max_m_s * guidance.period_s,
             levels: vec![Level::new(grid); blocks],
             seen_by_others: vec![Raster::empty(grid); blocks],
+            method,
         }
     }
 
     /// The best sequence of yaw increments from `pose` (`world`, metres; its yaw is the one the
-    /// vehicle flies or was last told to), exhaustively.
+    /// vehicle flies or was last told to): in `str1` to `str3` exhaustively.
     ///
     /// `neighbours` are each neighbour's predicted poses at the ends of the blocks from now on; what
     /// is missing is flown straight ahead, and a neighbour without a pose is ignored.
     pub fn plan(
+        &mut self,
+        picture: &Picture<'_>,
+        pose: &Pose,
+        neighbours: &[Vec<Pose>],
+    ) -> Decision {
+        match &mut self.method {
+            Method::Tree => self.search_tree(picture, pose, neighbours),
+            Method::Beam(beam) => beam.plan(picture, pose, neighbours),
+            Method::Route(route) => route.plan(pose),
+        }
+    }
+
+    /// The best of all sequences.
+    fn search_tree(
         &mut self,
         picture: &Picture<'_>,
         pose: &Pose,

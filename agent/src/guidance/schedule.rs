@@ -123,7 +123,7 @@ impl Scheduler {
             own: usize::from(config.id.0),
             schedule: guidance.schedule,
             motion: Motion::new(config),
-            blocks: usize::from(guidance.n_mpc.max(1)),
+            blocks: guidance.blocks(),
             steps_per_block: (guidance.period_s / config.period_s).round().max(1.0) as u32,
             period_s: config.period_s,
             // A decision that outlived its block would never be flown.

@@ -26,6 +26,8 @@ pub struct Issue {
 
 /// The largest fleet and the most targets.
 const MAX_COUNT: u16 = 1024;
+/// The longest horizon of `str4`, blocks.
+const MAX_STR4_BLOCKS: u8 = 32;
 /// The largest side of a region, metres: sets live on a grid of ±4095 m.
 const MAX_SIZE_M: f64 = 4000.0;
 /// The most cells of a raster.
@@ -297,6 +299,12 @@ fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>)
             &format!("0 or more and below run.period_s = {period_s} s"),
         );
     }
+    let holds = (1..=MAX_STR4_BLOCKS).contains(&guidance.str4.n_mpc);
+    let got = guidance.str4.n_mpc.to_string();
+    check.that(holds, &["guidance.str4.n_mpc"], &got, "a whole number from 1 to 32");
+    let holds = (1..=MAX_COUNT).contains(&guidance.str4.beam);
+    let got = guidance.str4.beam.to_string();
+    check.that(holds, &["guidance.str4.beam"], &got, "a whole number from 1 to 1024");
     let increments = &guidance.increments_deg;
     let valid = increments.iter().all(|u| u.abs() <= 180.0);
     let got = if increments.is_empty() { "empty".to_owned() } else { format!("{increments:?}") };

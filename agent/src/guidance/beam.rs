@@ -1,0 +1,145 @@
+//! `str4`: ground counts for as long as it stays unseen.
+//!
+//! The cost of a candidate is Σ_k φ(X^Δ_k) over the blocks k = 1..N_MPC of the horizon, where (5.27)
+//! has φ(X^Δ) at its end alone: what is seen early stops growing early. The horizon is long enough to
+//! look all around, too long to try every sequence, so the search is a beam: per block the best
+//! candidates go on, at most one per place, lest the beam fill up with detours to the same spot.
+
+use std::collections::BTreeSet;
+
+use csat_proto::camera::Pose;
+use csat_proto::raster::{Grid, Raster};
+
+use super::criterion::Terms;
+use super::rollout::Motion;
+use super::turning::Turning;
+use super::views::{Views, place};
+use super::{Decision, Picture};
+use crate::config::AgentConfig;
+
+/// Cells of the search, metres, unless the sets it is given are coarser.
+const CELL_M: f64 = 4.0;
+
+/// The planner of `str4`.
+#[derive(Debug, Clone)]
+pub(super) struct Beam {
+    grid: Grid,
+    views: Views,
+    motion: Motion,
+    turning: Turning,
+    /// U, radians, in the order of preference among equals.
+    increments: Vec<f64>,
+    blocks: usize,
+    width: usize,
+    growth_m: f64,
+}
+
+/// A candidate, up to some block.
+#[derive(Debug, Clone)]
+struct Candidate {
+    /// X^Δ after that block.
+    remaining: Raster,
+    /// Cells of X^Δ, summed over the blocks.
+    unseen: u64,
+    pose: Pose,
+    /// Yaw increments and the poses they lead to.
+    choices: Vec<(f64, Pose)>,
+}
+
+impl Beam {
+    /// The search of `config.guidance.str4` among `increments`, radians.
+    pub(super) fn new(config: &AgentConfig, increments: Vec<f64>) -> Self {
+        let cell_m = CELL_M.max(config.estimator.raster_cell_m);
+        let grid = Grid::covering(&config.ground, cell_m);
+        Self {
+            grid,
+            views: Views::new(grid, config),
+            motion: Motion::new(config),
+            turning: Turning::new(config),
+            increments,
+            blocks: config.guidance.blocks(),
+            width: usize::from(config.guidance.str4.beam.max(1)),
+            growth_m: config.targets.v_max_m_s * config.guidance.period_s,
+        }
+    }
+
+    /// See [`super::Planner::plan`].
+    pub(super) fn plan(
+        &mut self,
+        picture: &Picture<'_>,
+        pose: &Pose,
+        neighbours: &[Vec<Pose>],
+    ) -> Decision {
+        self.views.load(picture.oem);
+        let margin = self.coarse(picture.margin);
+        let remaining = self.coarse(picture.wanted);
+        let mut beam = vec![Candidate { remaining, unseen: 0, pose: *pose, choices: vec![] }];
+        let mut nodes = 0;
+        for mut kept in self.seen_by_others(neighbours) {
+            kept.union_with(&margin);
+            let children = self.children(&beam, &kept);
+            nodes += children.len() as u32;
+            beam = self.best(children);
+        }
+        let best = beam.swap_remove(0);
+        let (increments_rad, poses) = best.choices.into_iter().unzip();
+        let cost = best.unseen as f64 * self.grid.cell_m.powi(2);
+        Decision { increments_rad, poses, cost, terms: Terms::default(), nodes }
+    }
+
+    /// The cells that hold a cell of `set`.
+    fn coarse(&self, set: &Raster) -> Raster {
+        let mut coarse = Raster::empty(self.grid);
+        for (column, row) in set.iter() {
+            if let Some((column, row)) = self.grid.cell_of(set.grid().centre(column, row)) {
+                coarse.set(column, row);
+            }
+        }
+        coarse
+    }
+
+    /// What all neighbours would see at the end of each block.
+    fn seen_by_others(&mut self, neighbours: &[Vec<Pose>]) -> Vec<Raster> {
+        let mut seen = vec![Raster::empty(self.grid); self.blocks];
+        for plan in neighbours {
+            for (pose, seen) in self.motion.forecast(plan, 0, self.blocks).iter().zip(&mut seen) {
+                self.views.look(pose).add_to(seen);
+            }
+        }
+        seen
+    }
+
+    /// Every candidate a block later: X^Δ has grown by f^t (4.24) and lost `kept`, where no target
+    /// can be or a neighbour looks, and what is seen from the new pose.
+    fn children(&mut self, beam: &[Candidate], kept: &Raster) -> Vec<Candidate> {
+        let mut children = Vec::with_capacity(beam.len() * self.increments.len());
+        for parent in beam {
+            let mut base = parent.remaining.dilated_disc(self.growth_m);
+            base.subtract(kept);
+            for &increment_rad in &self.increments {
+                let pose = self.turning.advance(&parent.pose, increment_rad);
+                let mut remaining = base.clone();
+                self.views.look(&pose).take_from(&mut remaining);
+                let unseen = parent.unseen + u64::from(remaining.count());
+                let mut choices = parent.choices.clone();
+                choices.push((increment_rad, pose));
+                children.push(Candidate { remaining, unseen, pose, choices });
+            }
+        }
+        children
+    }
+
+    /// The candidates that go on, the best first.
+    fn best(&self, mut children: Vec<Candidate>) -> Vec<Candidate> {
+        // Stable: among equals those of the better parent, then of the gentler turn.
+        children.sort_by_key(|child| child.unseen);
+        let mut taken = BTreeSet::new();
+        children.retain(|child| taken.insert(place(&child.pose)));
+        children.truncate(self.width);
+        children
+    }
+}
+
+#[cfg(test)]
+#[path = "beam_tests.rs"]
+mod tests;

@@ -1,0 +1,146 @@
+use csat_proto::oem::OemDelta;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::super::Planner;
+use super::super::shadow::hides_point;
+use super::super::tests::{Scene, default_config, fill};
+use super::*;
+use crate::config::Criterion;
+
+fn config(n_mpc: u8, beam: u16) -> AgentConfig {
+    let mut config = default_config();
+    config.ground.size_m = [320.0, 320.0];
+    config.guidance.criterion = Criterion::Str4;
+    config.guidance.str4.n_mpc = n_mpc;
+    config.guidance.str4.beam = beam;
+    config
+}
+
+fn scene(config: &AgentConfig, rng: &mut ChaCha8Rng) -> Scene {
+    let mut scene = Scene::new(config);
+    for _ in 0..12 {
+        let [x, y] = [0, 1].map(|_| rng.random_range(-160.0..120.0));
+        let mut blob = Raster::empty(config.raster_grid());
+        fill(&mut blob, [x, x + rng.random_range(5.0..60.0)], [y, y + 30.0]);
+        scene.wanted.union_with(&blob);
+    }
+    fill(&mut scene.margin, [-20.0, 10.0], [-20.0, 30.0]);
+    for _ in 0..30 {
+        let [column, row] = [0, 1].map(|_| rng.random_range(0..config.oem_grid().columns));
+        scene.occupy(column, row, rng.random_range(30..420));
+    }
+    scene
+}
+
+fn start(rng: &mut ChaCha8Rng) -> Pose {
+    Pose::level([-90.0, rng.random_range(-60.0..60.0), 53.0], rng.random_range(-0.7..0.7))
+}
+
+/// Σ φ(X^Δ_k) of a sequence, cells by the definition; what is seen by the camera and point by point.
+fn cost(config: &AgentConfig, scene: &Scene, poses: &[Pose], other: &[Pose]) -> f64 {
+    let beam = Beam::new(config, vec![]);
+    let (mut remaining, margin) = (beam.coarse(&scene.wanted), beam.coarse(&scene.margin));
+    let see = |pose: &Pose, remaining: &mut Raster| {
+        let [x, y] = [0, 1].map(|axis| (pose.p_world[axis] / 8.0).round() * 8.0);
+        let rounded = Pose::level([x, y, pose.p_world[2]], pose.yaw_rad);
+        let footprint = config.camera.at(&rounded);
+        for (column, row) in remaining.clone().iter() {
+            let p = remaining.grid().centre(column, row);
+            let ground = nalgebra::Vector3::new(p[0], p[1], 0.0);
+            let in_image = footprint
+                .project(&ground)
+                .is_some_and(|[c, r]| (0.0..480.0).contains(&c) && (0.0..360.0).contains(&r));
+            let far = (ground - footprint.centre_world()).norm() > config.camera.d_max_m;
+            if in_image && !far && !hides_point(&scene.oem, rounded.p_world, p) {
+                remaining.clear(column, row);
+            }
+        }
+    };
+    let mut sum = 0.0;
+    for (own, other) in poses.iter().zip(other) {
+        remaining = remaining.dilated_disc(3.0);
+        remaining.subtract(&margin);
+        see(other, &mut remaining);
+        see(own, &mut remaining);
+        sum += remaining.area_m2();
+    }
+    sum
+}
+
+/// A beam that holds every candidate is the whole tree.
+#[test]
+fn a_wide_beam_finds_what_brute_force_finds() {
+    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    for round in 0..4 {
+        let config = config(2, 1000);
+        let (scene, pose, other) = (scene(&config, &mut rng), start(&mut rng), start(&mut rng));
+        let plan = Motion::new(&config).forecast(&[other], 0, 2);
+        let found =
+            Planner::new(&config).plan(&scene.picture(), &pose, std::slice::from_ref(&plan));
+        let turning = Turning::new(&config);
+        let turns = [-60.0, -30.0, 0.0, 30.0, 60.0].map(f64::to_radians);
+        let mut least = f64::INFINITY;
+        for (first, second) in turns.iter().flat_map(|&a| turns.iter().map(move |&b| (a, b))) {
+            let one = turning.advance(&pose, first);
+            let poses = [one, turning.advance(&one, second)];
+            least = least.min(cost(&config, &scene, &poses, &plan));
+        }
+        // A shadow's border may cross a cell's centre within rounding.
+        assert!((found.cost / least - 1.0).abs() < 5e-3, "{round}: {} {least}", found.cost);
+        assert_eq!((found.poses.len(), found.nodes), (2, 30));
+        let own = cost(&config, &scene, &found.poses, &plan);
+        assert!((found.cost / own - 1.0).abs() < 5e-3, "{round}: {} {own}", found.cost);
+    }
+}
+
+#[test]
+fn a_wider_beam_is_dearer_and_seldom_worse() {
+    let mut rng = ChaCha8Rng::seed_from_u64(22);
+    let (mut narrow, mut wide) = (0.0, 0.0);
+    for _ in 0..6 {
+        let one = config(5, 1);
+        let (scene, pose) = (scene(&one, &mut rng), start(&mut rng));
+        let plan = |config: &AgentConfig| Planner::new(config).plan(&scene.picture(), &pose, &[]);
+        let (a, b) = (plan(&one), plan(&config(5, 40)));
+        assert_eq!((a.nodes, a.increments_rad.len()), (25, 5));
+        assert!(b.nodes > a.nodes && b.nodes <= 5 + 25 + 3 * 200, "{}", b.nodes);
+        narrow += a.cost;
+        wide += b.cost;
+    }
+    assert!(wide < narrow, "{wide} {narrow}");
+}
+
+/// What is remembered from other decisions, other worlds among them, leaves no trace.
+#[test]
+fn a_plan_is_a_function_of_its_arguments() {
+    let mut rng = ChaCha8Rng::seed_from_u64(23);
+    let config = config(4, 20);
+    let mut used = Planner::new(&config);
+    for _ in 0..3 {
+        let mut scene = scene(&config, &mut rng);
+        let (pose, other) = (start(&mut rng), [vec![start(&mut rng)]]);
+        for height_dm in [400, 450] {
+            let cell = config.oem_grid().index(32, 32) as u32;
+            let state = csat_proto::oem::OemCell::Occupied { height_dm };
+            scene.oem.join(OemDelta { cell, state });
+            let fresh = Planner::new(&config).plan(&scene.picture(), &pose, &other);
+            assert_eq!(used.plan(&scene.picture(), &pose, &other), fresh);
+        }
+    }
+}
+
+/// Two patches, one to each side: who comes second flies to the other one.
+#[test]
+fn neighbours_repel() {
+    let config = config(3, 60);
+    let mut scene = Scene::new(&config);
+    fill(&mut scene.wanted, [-60.0, 40.0], [50.0, 150.0]);
+    fill(&mut scene.wanted, [-60.0, 40.0], [-150.0, -50.0]);
+    let pose = Pose::level([-100.0, 0.0, 52.0], 0.0);
+    let mut planner = Planner::new(&config);
+    let first = planner.plan(&scene.picture(), &pose, &[]);
+    let second = planner.plan(&scene.picture(), &pose, std::slice::from_ref(&first.poses));
+    let turned = |poses: &[Pose]| poses[2].yaw_rad;
+    assert!(turned(&first.poses) * turned(&second.poses) < 0.0, "{first:?} {second:?}");
+}
