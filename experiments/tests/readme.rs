@@ -1,18 +1,20 @@
-//! Every example of README.md and docs/*.md runs.
+//! Every example of README.md and docs/**/*.md runs.
 //!
 //! In ```` ```console ```` blocks, lines that start with `$ csat ` or `$ cargo run --release -- ` are
-//! run in one folder per document, missions cut to three seconds. `# exit 2` behind the command or
-//! on a line after it says which exit code is right (0 otherwise). Output shown must come in this
-//! order and have the same words; numbers may differ, and `...` stands for any lines. ```` ```toml
-//! ```` blocks must pass `csat check`.
+//! run in one folder per document, missions cut to three seconds (those of sweeps, too), and
+//! `csat watch` ended after as long. `# exit 2` behind the command or on a line after it says which
+//! exit code is right (0 otherwise). Output shown must come in this order and have the same words;
+//! numbers may differ, and `...` stands for any lines. ```` ```toml ```` blocks must pass
+//! `csat check`.
 
 #![cfg(unix)]
 
 mod common;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
+use common::docs::{blocks, documents, name_of};
 use common::{csat, read, scratch, text};
 
 /// Files that examples speak of without showing them.
@@ -28,16 +30,6 @@ fn write_fixtures(folder: &Path) {
     std::os::unix::fs::symlink(env!("CARGO_BIN_EXE_csat"), bin.join("csat")).unwrap();
 }
 
-fn documents() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let docs = std::fs::read_dir(root.join("docs")).into_iter().flatten().flatten();
-    let mut all: Vec<PathBuf> = docs.map(|entry| entry.path()).collect();
-    all.retain(|path| path.extension().is_some_and(|e| e == "md"));
-    all.sort();
-    all.insert(0, root.join("README.md"));
-    all
-}
-
 /// A command and the output shown under it.
 #[derive(Debug, Default)]
 struct Example {
@@ -45,23 +37,6 @@ struct Example {
     command: String,
     exit: i32,
     shown: Vec<(usize, String)>,
-}
-
-/// The fenced blocks of a language: line number (from 1) of the first line, and the lines.
-fn blocks<'a>(document: &'a str, language: &str) -> Vec<(usize, Vec<&'a str>)> {
-    let mut blocks = Vec::new();
-    let mut open: Option<(bool, usize, Vec<&str>)> = None;
-    for (index, line) in document.lines().enumerate() {
-        match (&mut open, line.trim_start().strip_prefix("```")) {
-            (None, Some(info)) => open = Some((info.trim() == language, index + 2, Vec::new())),
-            (Some(_), Some(_)) => {
-                blocks.extend(open.take().filter(|o| o.0).map(|(_, first, lines)| (first, lines)));
-            }
-            (Some((_, _, lines)), None) => lines.push(line),
-            (None, None) => {}
-        }
-    }
-    blocks
 }
 
 fn examples(document: &str) -> Vec<Example> {
@@ -108,9 +83,13 @@ fn shortened(command: &str) -> String {
     let ends = [" |", " >", " 2>", " #", " &&", " ;"];
     let end = ends.iter().filter_map(|e| command.find(e)).min().unwrap_or(command.len());
     let (head, tail) = command.split_at(end);
-    let flies = ["csat run", "csat spawn", "csat world"].iter().any(|c| head.starts_with(c));
+    let flies = ["csat run", "csat spawn", "csat world", "csat sweep"];
+    let flies = flies.iter().any(|c| head.starts_with(c)) && !head.contains("--merge");
     if flies && !head.contains("--help") {
         format!("{head} --set run.duration_s=3{tail}")
+    } else if head.starts_with("csat watch") {
+        // It shows until it is told to end.
+        format!("{head} & watch=$!; sleep 3; kill $watch; wait $watch")
     } else {
         command.to_owned()
     }
@@ -197,11 +176,7 @@ fn run(folder: &Path, example: &Example) -> Result<(), String> {
 fn every_example_of_the_documents_runs() {
     let mut complaints = Vec::new();
     for document in documents() {
-        let name = document.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if !document.exists() {
-            eprintln!("SKIPPED: there is no {name}");
-            continue;
-        }
+        let name = name_of(&document);
         let content = read(&document);
         let folder = scratch();
         write_fixtures(folder.path());
@@ -232,6 +207,8 @@ fn examples_are_found_with_their_exit_codes_and_outputs() {
     assert_eq!((run.line, run.exit, run.shown.len()), (6, 1, 2));
     assert_eq!(shortened(&run.command), "csat run city     --seed 2 --set run.duration_s=3 | head");
     assert_eq!(blocks(document, "toml"), [(13, vec!["seed = 1"])]);
+    assert_eq!(shortened("csat sweep --merge a b"), "csat sweep --merge a b");
+    assert!(shortened("csat watch flown").ends_with("kill $watch; wait $watch"));
 }
 
 #[test]

@@ -103,9 +103,9 @@ pub struct Delivery {
 /// What becomes of a message and of its copy, if there is one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fate {
-    /// The message.
+    /// The message: how it arrives, or why it does not.
     pub first: Result<Delivery, Reason>,
-    /// Its copy, when the link made one.
+    /// Its copy, when the link made one: the same.
     pub duplicate: Option<Result<Delivery, Reason>>,
 }
 

@@ -109,6 +109,9 @@ fn boxed<R: Rule + 'static>(rule: Option<R>) -> Option<Box<dyn Rule>> {
 
 /// Asks the rules in order; the first one that loses the message names the reason. A message that
 /// is lost after it was duplicated is lost with its copy.
+///
+/// # Errors
+/// The reason of the loss.
 pub fn judge(rules: &[Box<dyn Rule>], case: &mut Case<'_>) -> Result<(), Reason> {
     rules.iter().try_for_each(|rule| rule.judge(case))
 }

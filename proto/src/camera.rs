@@ -87,7 +87,7 @@ pub struct CameraModel {
     pub tilt_deg: f64,
     /// d_max: what is farther is Unknown, metres.
     pub d_max_m: f64,
-    /// [w_lo, w_hi]: bounds of the relative depth noise (3.33).
+    /// [w_lo, w_hi]: bounds of the depth noise (3.33), relative to the distance: 0.01 is 1 %.
     pub depth_noise: [f64; 2],
     /// A target is identified when at least this many of its pixels are labelled Target. The
     /// default, 8, is what every car in the footprint of the paper's 480 x 360 camera is sure to
@@ -208,13 +208,13 @@ impl CameraView {
         &self.world_from_camera
     }
 
-    /// `ray_matrix() * (c, r, 1)` is [`Self::ray_world`].
+    /// `ray_matrix() * (c, r, 1)` is [`Self::ray_world`]; c and r in pixels.
     pub fn ray_matrix(&self) -> &Matrix3<f64> {
         &self.ray_matrix
     }
 
-    /// The direction in `world` of the ray through image point (c, r), ν·v of (3.18): its component
-    /// along the optical axis is 1, so a point at distance ρ is
+    /// The direction in `world` of the ray through image point (c, r), pixels, ν·v of (3.18): its
+    /// component along the optical axis is 1, so a point at distance ρ is
     /// `centre + ray * (ρ / ray.norm())`.
     pub fn ray_world(&self, c: f64, r: f64) -> Vector3<f64> {
         self.ray_matrix * Vector3::new(c, r, 1.0)
@@ -225,14 +225,14 @@ impl CameraView {
         self.world_from_camera.tr_mul(&(p_world - self.centre_world))
     }
 
-    /// The image point (c, r) of a `world` point in front of the camera (3.16), whether or not it
-    /// falls inside the image.
+    /// The image point (c, r), pixels, of a `world` point (metres) in front of the camera (3.16),
+    /// whether or not it falls inside the image; `None` for a point beside or behind the camera.
     pub fn project(&self, p_world: &Vector3<f64>) -> Option<[f64; 2]> {
         let p = self.to_camera(p_world);
         (p.z > 1e-9).then(|| self.project_camera(&p))
     }
 
-    /// The image point (c, r) of a point of the camera frame with z > 0.
+    /// The image point (c, r), pixels, of a point of the `camera` frame with z > 0, metres.
     pub fn project_camera(&self, p_camera: &Vector3<f64>) -> [f64; 2] {
         [
             f64::from(self.model.columns) / 2.0 - self.focal_px * p_camera.x / p_camera.z,

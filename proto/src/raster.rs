@@ -35,7 +35,7 @@ impl Grid {
         [x + (f64::from(column) + 0.5) * self.cell_m, y + (f64::from(row) + 0.5) * self.cell_m]
     }
 
-    /// The cell that contains a point, as (column, row).
+    /// The cell that contains a point (`world`, metres), as (column, row); `None` off the grid.
     pub fn cell_of(&self, p: [f64; 2]) -> Option<(u32, u32)> {
         let [x, y] = self.origin();
         let (column, row) = ((p[0] - x) / self.cell_m, (p[1] - y) / self.cell_m);

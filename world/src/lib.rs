@@ -1,5 +1,21 @@
 //! What is true: the town, the cars, the UAVs, what their cameras report, and the monitor that
 //! checks the guarantee from outside.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`world`] | everything that is true, one period at a time |
+//! | [`map`] | the town: generated from a seed, or from a GeoJSON file |
+//! | [`obstacle`] | buildings, and exact distances to them |
+//! | [`road`] | where cars can drive |
+//! | [`target`] | the cars |
+//! | [`uav`] | how UAVs move: what else flies implements its trait |
+//! | [`scene`] | what a camera can see of all that |
+//! | [`camera`] | a frame with exact labels, and the oracle that checks it |
+//! | [`radio`] | what buildings do to radio |
+//! | [`truth`] | the monitor |
+//!
+//! Lengths are metres in the frame `world` of [`csat_proto`] (East-North-Up, origin in the middle of
+//! the region), angles radians counter-clockwise from east, times seconds.
 
 pub mod camera;
 pub mod map;

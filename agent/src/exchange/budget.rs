@@ -44,7 +44,8 @@ pub struct Shortener {
 }
 
 impl Shortener {
-    /// Level 0 changes nothing.
+    /// Shortens for UAVs at `uavs` (`world`, metres) over X_g: sets near them keep more of their
+    /// detail. Each level is coarser than the one before; level 0 changes nothing.
     pub fn new(level: u32, uavs: &[[f64; 2]], ground: &Region) -> Self {
         Self { level, uavs: uavs.to_vec(), ground: Outer::containing(ground.clone()) }
     }

@@ -25,6 +25,9 @@ struct Edge {
 ///
 /// A sweep from west to east that keeps the edges it is passing in strips from south to north, so that
 /// only neighbours are compared.
+///
+/// # Errors
+/// The two edges, when there are such.
 pub fn check(region: &Region) -> Result<(), Tangle> {
     let mut edges: Vec<Edge> = region.rings().flat_map(edges_of).collect();
     edges.sort_unstable_by_key(|edge| edge.reach.min.x);

@@ -92,6 +92,9 @@ impl Inbox {
 
     /// Decodes, checks and files a message that arrived at the receiver's step `now`, unless it
     /// repeats what is held.
+    ///
+    /// # Errors
+    /// Why it is not believed; then nothing has changed.
     pub fn receive(&mut self, now: Step, bytes: &[u8], held: &Held) -> Result<Received, Rejection> {
         let identity = Identity::of(bytes);
         let letter =

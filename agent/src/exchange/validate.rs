@@ -151,6 +151,9 @@ impl Rejection {
 }
 
 /// Checks that a sender is another agent of the fleet.
+///
+/// # Errors
+/// [`Rejection::Sender`] when it is not.
 pub fn check_sender(config: &AgentConfig, src: AgentId) -> Result<(), Rejection> {
     if src.0 >= config.fleet.count || src == config.id {
         return Err(Rejection::Sender { got: src.0, fleet: config.fleet.count });
@@ -159,6 +162,9 @@ pub fn check_sender(config: &AgentConfig, src: AgentId) -> Result<(), Rejection>
 }
 
 /// Checks header and body against what every receiver knows; `now` is its step.
+///
+/// # Errors
+/// The first reason not to believe it.
 pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Message, Rejection> {
     check_header(config, now, envelope)?;
     let message: Message =

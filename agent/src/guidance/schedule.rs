@@ -158,6 +158,9 @@ impl Scheduler {
     }
 
     /// A neighbour's plan arrived; of any decision, in any order, any number of times.
+    ///
+    /// # Errors
+    /// Why it was not taken over; then nothing has changed.
     pub fn on_plan(&mut self, from: AgentId, plan: &Plan) -> Result<(), PlanError> {
         self.check(from, plan)?;
         let neighbour = &mut self.fleet[usize::from(from.0)];

@@ -1,6 +1,6 @@
 //! What is drawn in the panels of `map.svg`, from the ground up.
 
-use svg::node::element::{Circle, Group, Path, Polygon, Rectangle};
+use svg::node::element::{Circle, Definitions, Group, Line, Path, Pattern, Polygon, Rectangle};
 
 use super::canvas::{Panel, group, label, round};
 use super::uav_colour;
@@ -20,6 +20,30 @@ pub const BUILDING: &str = "#8E8E8E";
 pub const NEAR_REGION: &str = "near-region";
 /// Roads.
 pub const ROAD: &str = "#E3E3E0";
+
+/// The hatchings that [`hidden`] and [`margin`] refer to.
+pub fn hatches() -> Definitions {
+    let hatch = |id: &str, spacing: f64, colour: &str, width: f64, angle: i32| {
+        Pattern::new()
+            .set("id", id)
+            .set("width", spacing)
+            .set("height", spacing)
+            .set("patternUnits", "userSpaceOnUse")
+            .set("patternTransform", format!("rotate({angle})"))
+            .add(
+                Line::new()
+                    .set("x1", 0)
+                    .set("y1", 0)
+                    .set("x2", 0)
+                    .set("y2", spacing)
+                    .set("stroke", colour)
+                    .set("stroke-width", width),
+            )
+    };
+    let hidden = hatch("hatch-hidden", 5.0, HIDDEN, 1.7, 45);
+    let margin = hatch("hatch-margin", 3.0, "#000000", 0.9, -45);
+    Definitions::new().add(hidden).add(margin)
+}
 
 /// Ground and roads, cut at the border of the region.
 pub fn ground(panel: &Panel, view: &View) -> Group {

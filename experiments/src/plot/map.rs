@@ -1,7 +1,7 @@
 //! `map.svg`: the town, the fleet and what agent 0 knows of them at the end.
 
 use svg::Document;
-use svg::node::element::{ClipPath, Definitions, Group, Line, Pattern, Polygon, Rectangle};
+use svg::node::element::{ClipPath, Definitions, Group, Polygon, Rectangle};
 
 use super::canvas::{Panel, group, round, text};
 use super::{layers, legend};
@@ -129,27 +129,7 @@ fn clipped(panel: usize, layers: Group) -> Group {
 }
 
 fn definitions(panels: &[&Panel]) -> Definitions {
-    let hatch = |id: &str, spacing: f64, colour: &str, width: f64, angle: i32| {
-        Pattern::new()
-            .set("id", id)
-            .set("width", spacing)
-            .set("height", spacing)
-            .set("patternUnits", "userSpaceOnUse")
-            .set("patternTransform", format!("rotate({angle})"))
-            .add(
-                Line::new()
-                    .set("x1", 0)
-                    .set("y1", 0)
-                    .set("x2", 0)
-                    .set("y2", spacing)
-                    .set("stroke", colour)
-                    .set("stroke-width", width),
-            )
-    };
-    let definitions = Definitions::new()
-        .add(hatch("hatch-hidden", 5.0, layers::HIDDEN, 1.7, 45))
-        .add(hatch("hatch-margin", 3.0, "#000000", 0.9, -45));
-    panels.iter().enumerate().fold(definitions, |definitions, (index, panel)| {
+    panels.iter().enumerate().fold(layers::hatches(), |definitions, (index, panel)| {
         let area = Rectangle::new()
             .set("x", round(panel.x))
             .set("y", round(panel.y))

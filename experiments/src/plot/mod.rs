@@ -1,7 +1,14 @@
 //! Pictures of a run: `map.svg` and `metrics.svg`.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`canvas`] | from metres to pixels, and small pieces of SVG |
+//! | [`layers`] | what is drawn in maps, from the ground up, and its colours |
+//!
+//! Those two are for whoever draws maps that look the same, as `examples/pictures` does.
 
-mod canvas;
-mod layers;
+pub mod canvas;
+pub mod layers;
 mod legend;
 mod map;
 mod metrics;
@@ -67,10 +74,10 @@ fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, PlotError
 }
 
 /// Colours for UAVs: Okabe and Ito's, without the yellow and green that sets have.
-pub(crate) const UAV_COLOURS: [&str; 8] =
+pub const UAV_COLOURS: [&str; 8] =
     ["#0072B2", "#D55E00", "#CC79A7", "#111111", "#56B4E9", "#8C510A", "#E69F00", "#5D3A9B"];
 
 /// The colour of a UAV.
-pub(crate) fn uav_colour(index: usize) -> &'static str {
+pub fn uav_colour(index: usize) -> &'static str {
     UAV_COLOURS[index % UAV_COLOURS.len()]
 }

@@ -74,7 +74,7 @@ pub struct PropagationConfig {
     pub tx_power_dbm: f64,
     /// Power of the noise in the receiver's band, dBm.
     pub noise_dbm: f64,
-    /// Path-loss exponent n: 2 in free space.
+    /// Path-loss exponent n, without a unit: 2 in free space.
     pub exponent: f64,
     /// Path loss at 1 m, dB.
     pub loss_at_1m_db: f64,

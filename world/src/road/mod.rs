@@ -77,7 +77,7 @@ pub struct RoadGraph {
 }
 
 impl RoadGraph {
-    /// The usable part of `polylines`: clipped to the region, joined where they meet or cross, cut
+    /// The usable part of `polylines` (centre lines, `world`, metres): clipped to the region, joined where they meet or cross, cut
     /// where they come too close to a wall. Equal arguments give equal graphs.
     pub fn build(
         ground: &Ground,
