@@ -11,7 +11,7 @@ use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
 
 use super::criterion::Terms;
-use super::rollout::Motion;
+use super::rollout::{Meeting, Motion};
 use super::turning::Turning;
 use super::views::{Views, place};
 use super::{Decision, Picture};
@@ -26,11 +26,13 @@ pub(super) struct Beam {
     grid: Grid,
     views: Views,
     motion: Motion,
+    meeting: Meeting,
     turning: Turning,
     /// U, radians, in the order of preference among equals.
     increments: Vec<f64>,
     blocks: usize,
     width: usize,
+    /// v_max·T_MPC, metres.
     growth_m: f64,
 }
 
@@ -55,6 +57,7 @@ impl Beam {
             grid,
             views: Views::new(grid, config),
             motion: Motion::new(config),
+            meeting: Meeting::new(config),
             turning: Turning::new(config),
             increments,
             blocks: config.guidance.blocks(),
@@ -75,9 +78,9 @@ impl Beam {
         let remaining = self.coarse(picture.wanted);
         let mut beam = vec![Candidate { remaining, unseen: 0, pose: *pose, choices: vec![] }];
         let mut nodes = 0;
-        for mut kept in self.seen_by_others(neighbours) {
+        for (block, mut kept) in self.seen_by_others(pose, neighbours).into_iter().enumerate() {
             kept.union_with(&margin);
-            let children = self.children(&beam, &kept);
+            let children = self.children(&beam, &kept, self.spread_m(block));
             nodes += children.len() as u32;
             beam = self.best(children);
         }
@@ -98,23 +101,35 @@ impl Beam {
         coarse
     }
 
-    /// What all neighbours would see at the end of each block.
-    fn seen_by_others(&mut self, neighbours: &[Vec<Pose>]) -> Vec<Raster> {
+    /// What all neighbours whose views may meet one's own would see at the end of each block.
+    fn seen_by_others(&mut self, own: &Pose, neighbours: &[Vec<Pose>]) -> Vec<Raster> {
         let mut seen = vec![Raster::empty(self.grid); self.blocks];
         for plan in neighbours {
-            for (pose, seen) in self.motion.forecast(plan, 0, self.blocks).iter().zip(&mut seen) {
-                self.views.look(pose).add_to(seen);
+            let poses = self.motion.forecast(plan, 0, self.blocks);
+            for (pose, seen) in poses.iter().zip(&mut seen) {
+                if self.meeting.may_see_the_same(own, pose) {
+                    self.views.look(pose).add_to(seen);
+                }
             }
         }
         seen
     }
 
+    /// The radius by which X^Δ spreads in a block, metres. A cell is about as long as the way of a
+    /// target in a block, so whole cells are added in some blocks and none in others: rounded up in
+    /// every one of them, sets would seem to grow by a third too fast.
+    fn spread_m(&self, block: usize) -> f64 {
+        let cells = |blocks: usize| (blocks as f64 * self.growth_m / self.grid.cell_m).round();
+        // Half a cell less reaches the centres of that many cells and no farther ones.
+        ((cells(block + 1) - cells(block) - 0.5) * self.grid.cell_m).max(0.0)
+    }
+
     /// Every candidate a block later: X^Δ has grown by f^t (4.24) and lost `kept`, where no target
     /// can be or a neighbour looks, and what is seen from the new pose.
-    fn children(&mut self, beam: &[Candidate], kept: &Raster) -> Vec<Candidate> {
+    fn children(&mut self, beam: &[Candidate], kept: &Raster, spread_m: f64) -> Vec<Candidate> {
         let mut children = Vec::with_capacity(beam.len() * self.increments.len());
         for parent in beam {
-            let mut base = parent.remaining.dilated_disc(self.growth_m);
+            let mut base = parent.remaining.dilated_disc(spread_m);
             base.subtract(kept);
             for &increment_rad in &self.increments {
                 let pose = self.turning.advance(&parent.pose, increment_rad);

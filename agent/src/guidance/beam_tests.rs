@@ -37,6 +37,41 @@ fn start(rng: &mut ChaCha8Rng) -> Pose {
     Pose::level([-90.0, rng.random_range(-60.0..60.0), 53.0], rng.random_range(-0.7..0.7))
 }
 
+/// With the four neighbours of every cell: 3 m of growth are a cell of 4 m in each of the first blocks,
+/// as 6 m are 1.5 of them.
+fn spread(set: &Raster) -> Raster {
+    let (mut spread, grid) = (set.clone(), *set.grid());
+    for (column, row) in set.iter() {
+        for (east, north) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+            let cell = (column.checked_add_signed(east), row.checked_add_signed(north));
+            if let (Some(column), Some(row)) = cell
+                && column < grid.columns
+                && row < grid.rows
+            {
+                spread.set(column, row);
+            }
+        }
+    }
+    spread
+}
+
+#[test]
+fn sets_spread_as_fast_as_targets_drive() {
+    let mut config = config(6, 1);
+    for (v_max_m_s, way_m) in [(1.0, 18.0), (0.0, 0.0), (0.3, 5.4), (2.0, 36.0)] {
+        config.targets.v_max_m_s = v_max_m_s;
+        let beam = Beam::new(&config, vec![]);
+        let mut set = Raster::empty(beam.grid);
+        set.set(40, 40);
+        for block in 0..6 {
+            set = set.dilated_disc(beam.spread_m(block));
+        }
+        let reached = set.iter().filter(|&(_, row)| row == 40).map(|(column, _)| column).max();
+        let reached_m = f64::from(reached.unwrap() - 40) * beam.grid.cell_m;
+        assert!((reached_m - way_m).abs() <= 0.5 * beam.grid.cell_m, "{v_max_m_s}: {reached_m} m");
+    }
+}
+
 /// Σ φ(X^Δ_k) of a sequence, cells by the definition; what is seen by the camera and point by point.
 fn cost(config: &AgentConfig, scene: &Scene, poses: &[Pose], other: &[Pose]) -> f64 {
     let beam = Beam::new(config, vec![]);
@@ -59,7 +94,7 @@ fn cost(config: &AgentConfig, scene: &Scene, poses: &[Pose], other: &[Pose]) -> 
     };
     let mut sum = 0.0;
     for (own, other) in poses.iter().zip(other) {
-        remaining = remaining.dilated_disc(3.0);
+        remaining = spread(&remaining);
         remaining.subtract(&margin);
         see(other, &mut remaining);
         see(own, &mut remaining);

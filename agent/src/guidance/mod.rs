@@ -34,7 +34,7 @@ mod views;
 
 use beam::Beam;
 use criterion::{Sight, Terms, Weights};
-use rollout::{Level, Motion, Surroundings};
+use rollout::{Level, Meeting, Motion, Surroundings};
 use route::Route;
 use search::Search;
 
@@ -90,6 +90,7 @@ pub struct Planner {
     grid: Grid,
     sight: Sight,
     motion: Motion,
+    meeting: Meeting,
     weights: Weights,
     increments: Vec<f64>,
     growth_m: f64,
@@ -122,6 +123,7 @@ impl Planner {
             grid,
             sight: Sight::new(config),
             motion: Motion::new(config),
+            meeting: Meeting::new(config),
             weights: Weights::new(config),
             increments,
             growth_m: config.targets.v_max_m_s * guidance.period_s,
@@ -157,7 +159,7 @@ impl Planner {
         neighbours: &[Vec<Pose>],
     ) -> Decision {
         self.sight.load(picture.oem);
-        self.look_for_others(picture, neighbours);
+        self.look_for_others(picture, pose, neighbours);
         if let Some(root) = self.levels.first_mut() {
             root.remaining.clone_from(picture.wanted);
         }
@@ -198,14 +200,17 @@ impl Planner {
     }
 
     /// What the neighbours would see is the same in every node of a depth: it is found once.
-    fn look_for_others(&mut self, picture: &Picture<'_>, neighbours: &[Vec<Pose>]) {
+    /// Whoever is too far away to see what this UAV might is left out: in a large fleet most are.
+    fn look_for_others(&mut self, picture: &Picture<'_>, own: &Pose, neighbours: &[Vec<Pose>]) {
         let blocks = self.levels.len();
         self.seen_by_others.fill(Raster::empty(self.grid));
         for (index, plan) in neighbours.iter().enumerate() {
             let hidden_now = picture.neighbours_hidden_now.get(index).copied().flatten();
             let poses = self.motion.forecast(plan, 0, blocks);
             for (pose, seen) in poses.iter().zip(&mut self.seen_by_others) {
-                rollout::add_seen(&mut self.sight, pose, hidden_now, seen);
+                if self.meeting.may_see_the_same(own, pose) {
+                    rollout::add_seen(&mut self.sight, pose, hidden_now, seen);
+                }
             }
         }
     }

@@ -49,6 +49,26 @@ impl Motion {
     }
 }
 
+/// Whose views one's own may meet within the horizon.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Meeting {
+    /// From farther away nothing is seen that the own UAV could see, metres.
+    reach_m: f64,
+}
+
+impl Meeting {
+    pub(super) fn new(config: &AgentConfig) -> Self {
+        let way_m = Motion::new(config).block_m * config.guidance.blocks() as f64;
+        Self { reach_m: way_m + 2.0 * config.camera.d_max_m }
+    }
+
+    /// Whether something may be seen both from `theirs` and from where `own` can be in time.
+    pub(super) fn may_see_the_same(&self, own: &Pose, theirs: &Pose) -> bool {
+        let gap = |axis: usize| own.p_world[axis] - theirs.p_world[axis];
+        gap(0).hypot(gap(1)) <= self.reach_m
+    }
+}
+
 /// One depth of the search tree.
 #[derive(Debug, Clone)]
 pub(super) struct Level {

@@ -11,6 +11,8 @@ use crate::config::{AgentConfig, Criterion};
 
 /// Lanes are at most this far apart, metres: less than a footprint is wide.
 const LANE_M: f64 = 100.0;
+/// Circles keep this far from the border, metres: the camera looks outward, far ahead.
+const BORDER_M: f64 = 160.0;
 /// A smaller increment is no turn, radians.
 const LEAST_TURN_RAD: f64 = 0.1;
 
@@ -104,7 +106,8 @@ impl Course {
     }
 }
 
-/// The circle of the gentlest turn, about the middle of this UAV's share of a grid of rows.
+/// The circle of the sharpest turn, about the middle of this UAV's share of a grid of rows, but not
+/// so near to the border that the camera would mostly look out of the region.
 fn circle(config: &AgentConfig, increments: &[f64], block_m: f64) -> Course {
     let [width, depth] = config.ground.size_m;
     let count = f64::from(config.fleet.count.max(config.id.0.saturating_add(1)));
@@ -114,10 +117,15 @@ fn circle(config: &AgentConfig, increments: &[f64], block_m: f64) -> Course {
     let first = (row * count / rows).ceil();
     let in_row = ((row + 1.0) * count / rows).ceil() - first;
     let share = [(index - first + 0.5) / in_row, (row + 0.5) / rows];
-    let gentlest = increments.iter().map(|u| u.abs()).filter(|&u| u > LEAST_TURN_RAD);
-    let turn_rad = gentlest.min_by(f64::total_cmp).unwrap_or(FRAC_PI_2).min(PI);
+    let turns = increments.iter().map(|u| u.abs()).filter(|&u| u > LEAST_TURN_RAD);
+    let turn_rad = turns.max_by(f64::total_cmp).unwrap_or(FRAC_PI_2).min(PI);
+    let within = |share: f64, side_m: f64| {
+        // Small regions leave no such room: UAVs keep apart all the same.
+        let most_m = (0.5 * side_m - BORDER_M).max(0.18 * side_m);
+        ((share - 0.5) * side_m).clamp(-most_m, most_m)
+    };
     Course::Circle {
-        centre: [(share[0] - 0.5) * width, (share[1] - 0.5) * depth],
+        centre: [within(share[0], width), within(share[1], depth)],
         radius_m: 0.5 * block_m / (0.5 * turn_rad).sin(),
     }
 }

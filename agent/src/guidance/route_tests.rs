@@ -66,8 +66,8 @@ fn circles_are_flown_round_and_apart() {
             let mean =
                 [0, 1].map(|axis: usize| round.iter().map(|p| p.p_world[axis]).sum::<f64>() / 12.0);
             let far = |p: &Pose| (p.p_world[0] - mean[0]).hypot(p.p_world[1] - mean[1]);
-            assert!(round.iter().all(|p| far(p) < 45.0), "{id} of {count}: {mean:?}");
-            let apart = |c: &[f64; 2]| (c[0] - mean[0]).hypot(c[1] - mean[1]) > 80.0;
+            assert!(round.iter().all(|p| far(p) < 30.0), "{id} of {count}: {mean:?}");
+            let apart = |c: &[f64; 2]| (c[0] - mean[0]).hypot(c[1] - mean[1]) > 60.0;
             assert!(centres.iter().all(apart), "{id} of {count}: {mean:?} {centres:?}");
             centres.push(mean);
         }

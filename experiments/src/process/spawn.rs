@@ -119,8 +119,10 @@ async fn watch(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, SpawnE
             _ = stops.1.recv() => { leash.take(); }
             Some(Ok((id, status))) = agents.join_next() => {
                 tell(id, &status, arguments.restart);
+                // Whose mission is over ended well, be it before the world did.
+                let is_over = status.is_ok_and(|status| status.success());
                 let count = &mut restarts[usize::from(id)];
-                if arguments.restart && *count < MAX_RESTARTS {
+                if arguments.restart && !is_over && *count < MAX_RESTARTS {
                     *count += 1;
                     nursery.agent(id, &mut agents, RESTART_DELAY)?;
                 }
