@@ -103,10 +103,10 @@ def stages_against(name, label, seconds, variants, measure):
         rows.append([title, f"{x:.0f}", *stage_cells(s)])
         for stage in STAGES:
             series[stage].append((x, s["timing_ms"][stage]["median"]))
-    draw(name, label, "ms per agent and step, median", list(series.items()))
-    slopes = ", ".join(
-        f"{stage} {exponent(points):.2f}" for stage, points in series.items()
-        if all(y > 0.02 for _, y in points))
+    # What takes next to nothing would only stretch the axis.
+    drawn = [(stage, points) for stage, points in series.items() if all(y > 0.02 for _, y in points)]
+    draw(name, label, "ms per agent and step, median", drawn)
+    slopes = ", ".join(f"{stage} {exponent(points):.2f}" for stage, points in drawn)
     return f"\nExponents: {slopes}.\n\n" + table(["", label, *STAGES], rows)
 
 
@@ -136,6 +136,7 @@ def draw(name, x_label, y_label, curves):
 
     matplotlib.use("svg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import NullLocator
 
     plt.rcParams["svg.hashsalt"] = "csat"
     figure, axes = plt.subplots(figsize=(5.2, 3.4))
@@ -143,6 +144,10 @@ def draw(name, x_label, y_label, curves):
         axes.loglog(*zip(*points), marker="o", label=label)
     axes.set_xlabel(x_label)
     axes.set_ylabel(y_label)
+    places = sorted({x for _, points in curves for x, _ in points})
+    places = [x for x, before in zip(places, [0, *places]) if x > 1.1 * before]
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.set_xticks(places, [f"{x:.6g}" for x in places])
     axes.grid(True, which="both", alpha=0.25)
     axes.legend(fontsize="small")
     figure.tight_layout()
