@@ -15,16 +15,15 @@ pub struct Settled {
     knowledge: Knowledge,
     /// A hash of all that ever went into it.
     lineage: Identity,
+    unexplored_cells: OnceLock<Raster>,
     coarse: OnceLock<Coarse>,
     block_hashes: OnceLock<BlockHashes>,
     digest: OnceLock<u64>,
 }
 
-/// The sets that the planner and the metrics read, as rasters.
+/// The sets that the planner reads, as rasters.
 #[derive(Debug)]
 pub struct Coarse {
-    /// X̄.
-    pub unexplored: Raster,
     /// X^Δ (5.11).
     pub wanted: Raster,
     /// X°.
@@ -34,16 +33,14 @@ pub struct Coarse {
 }
 
 impl Coarse {
-    /// The sets of `knowledge`.
-    pub fn of(knowledge: &Knowledge) -> Self {
-        let grid = *knowledge.hidden.grid();
-        let unexplored = Raster::of_region(grid, knowledge.unexplored.region());
-        let mut wanted = unexplored.clone();
+    /// The sets of `knowledge`, whose X̄ is `unexplored`.
+    pub fn of(knowledge: &Knowledge, unexplored: Raster) -> Self {
+        let grid = *unexplored.grid();
+        let mut wanted = unexplored;
         for set in knowledge.targets.values() {
             wanted.union_with(&Raster::of_region(grid, set.region()));
         }
         Self {
-            unexplored,
             wanted,
             margin: Raster::of_region(grid, knowledge.margin.region()),
             hidden_recently: knowledge.hidden_recently(),
@@ -57,6 +54,7 @@ impl Settled {
         Self {
             knowledge,
             lineage,
+            unexplored_cells: OnceLock::new(),
             coarse: OnceLock::new(),
             block_hashes: OnceLock::new(),
             digest: OnceLock::new(),
@@ -68,9 +66,16 @@ impl Settled {
         self.lineage
     }
 
-    /// Its sets as rasters.
+    /// X̄ as a raster; asked for at every step, unlike the planner's sets.
+    pub fn unexplored_cells(&self) -> &Raster {
+        self.unexplored_cells.get_or_init(|| {
+            Raster::of_region(*self.knowledge.hidden.grid(), self.knowledge.unexplored.region())
+        })
+    }
+
+    /// The planner's sets as rasters.
     pub fn coarse(&self) -> &Coarse {
-        self.coarse.get_or_init(|| Coarse::of(&self.knowledge))
+        self.coarse.get_or_init(|| Coarse::of(&self.knowledge, self.unexplored_cells().clone()))
     }
 
     /// A hash of each block of its map.

@@ -48,7 +48,8 @@ pub fn inbox(config: &AgentConfig) -> (Inbox, Held) {
 /// One pass of guidance as the agent does it: picture, then search.
 fn decide(planner: &mut Planner, moment: &Moment) -> Decision {
     let knowledge = &moment.fused;
-    let coarse = Coarse::of(knowledge);
+    let unexplored = Raster::of_region(moment.config.raster_grid(), knowledge.unexplored.region());
+    let coarse = Coarse::of(knowledge, unexplored);
     let neighbours_hidden_now: Vec<Option<&Raster>> =
         moment.neighbours_hidden.iter().map(Some).collect();
     let picture = Picture {

@@ -63,7 +63,7 @@ impl Report {
         let ground = Ground { size_m: agent.config().ground.size_m };
         let measured = agent.measured();
         let unexplored = knowledge.unexplored.region();
-        let hidden_cells = knowledge.coarse().unexplored.count_common(&knowledge.hidden);
+        let hidden_cells = knowledge.unexplored_cells().count_common(&knowledge.hidden);
         let hidden_m2 = f64::from(hidden_cells) * knowledge.hidden.grid().cell_m.powi(2);
         let rejected = agent.rejected().iter().map(|(reason, n)| ((*reason).to_owned(), *n));
         let maps = || Maps {
