@@ -100,7 +100,7 @@ impl Default for EstimatorConfig {
         Self {
             disc_vertices: 16,
             simplify_m: 0.15,
-            simplify_margin_m: 0.5,
+            simplify_margin_m: 0.25,
             outline_tolerance_px: 1.0,
             raster_cell_m: 2.0,
             oem_cell_m: 5.0,

@@ -49,7 +49,8 @@ pub fn disc_intersection(points: &[[f64; 2]], radius_m: f64, vertices: u16) -> O
         .then(|| polygon.iter().map(|p| grid_point([p[0] + centre[0], p[1] + centre[1]])).collect())
 }
 
-fn centre_of_bounds(points: &[[f64; 2]]) -> Option<[f64; 2]> {
+/// The middle of the bounding box of `points`; `None` if there are none.
+pub(super) fn centre_of_bounds(points: &[[f64; 2]]) -> Option<[f64; 2]> {
     let first = points.first()?;
     let (min, max) = points.iter().fold((*first, *first), |(min, max), p| {
         ([min[0].min(p[0]), min[1].min(p[1])], [max[0].max(p[0]), max[1].max(p[1])])

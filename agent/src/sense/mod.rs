@@ -12,6 +12,7 @@
 
 pub mod clear;
 pub mod exclusion;
+mod foot;
 pub mod hidden;
 pub mod obstacle;
 pub mod outline;

@@ -9,7 +9,8 @@ use csat_proto::raster::Grid;
 use csat_proto::region::{Region, Ring};
 use nalgebra::Vector3;
 
-use super::exclusion::disc_intersection;
+use super::exclusion::{centre_of_bounds, disc_intersection};
+use super::foot;
 use super::pyramid::{ground_corners, top_m};
 use crate::config::AgentConfig;
 use crate::region::Inner;
@@ -55,6 +56,13 @@ struct Pixel {
     ray: Vector3<f64>,
 }
 
+impl Pixel {
+    /// The square of how far from the camera, over the ground, its far end is, m².
+    fn reach_squared(&self) -> f64 {
+        (self.ray.x * self.ray.x + self.ray.y * self.ray.y) * self.depth_m[1].powi(2)
+    }
+}
+
 impl MarginSensor {
     /// A sensor that has measured nothing.
     pub fn new(config: &AgentConfig) -> Self {
@@ -80,10 +88,13 @@ impl MarginSensor {
     ) -> ObstacleFindings {
         let mut rings: Vec<Ring> = Vec::new();
         let mut raised: BTreeSet<usize> = BTreeSet::new();
+        let mut walls = Walls::new(view.model().columns);
         for_each_obstacle_pixel(view, frame, |pixel| {
             rings.extend(self.margin_of(view, pixel));
             raised.extend(self.raise_cell(view, pixel));
+            walls.visit(pixel);
         });
+        rings.extend(walls.found().filter_map(|pixel| self.margin_at_foot(view, frame, pixel)));
         let margin =
             if rings.is_empty() { Inner::default() } else { Inner::from_rings(&rings, ground) };
         let delta = |cell: usize| {
@@ -98,19 +109,42 @@ impl MarginSensor {
     fn margin_of(&mut self, view: &CameraView, pixel: &Pixel) -> Option<Ring> {
         let Pixel { column, row, depth_m: [near, far], ray } = *pixel;
         let half_span_m = (far - near) / 2.0 * (ray.x * ray.x + ray.y * ray.y).sqrt();
+        let centre = view.centre_world() + ray * ((near + far) / 2.0);
+        self.improve([centre.x, centre.y], half_span_m)?;
+        let corners = ground_corners(view, column, row, pixel.depth_m);
+        disc_intersection(&corners, self.radius_m, self.vertices)
+    }
+
+    /// The same of the points that are not above seen ground: nearly half of them on a wall whose foot
+    /// is seen, hardly any where its depth was read too short.
+    fn margin_at_foot(&mut self, view: &CameraView, frame: &Frame, pixel: &Pixel) -> Option<Ring> {
+        let [near, far] = pixel.depth_m.map(|depth_m| view.centre_world() + pixel.ray * depth_m);
+        let (column, row) = self.grid.cell_of([far.x, far.y])?;
+        let best = self.best_grade[self.grid.index(column, row)];
+        if f64::from(best) >= GRADES - 1.0 || !foot::is_seen(view, frame, [near.x, near.y]) {
+            return None;
+        }
+        let corners = ground_corners(view, pixel.column, pixel.row, pixel.depth_m);
+        let corners = foot::unseen_part(view, frame, corners);
+        let (centre, half_span_m) = span(&corners)?;
+        self.improve(centre, half_span_m)?;
+        disc_intersection(&corners, self.radius_m, self.vertices)
+    }
+
+    /// Notes an intersection of discs about points at most `half_span_m` from `centre`, if it is the
+    /// best in its cell and worth its vertices.
+    fn improve(&mut self, centre: [f64; 2], half_span_m: f64) -> Option<()> {
         let grade = (1.0 - half_span_m / self.radius_m) * GRADES;
         if grade < LEAST_GRADE {
             return None;
         }
-        let centre = view.centre_world() + ray * ((near + far) / 2.0);
-        let (c, r) = self.grid.cell_of([centre.x, centre.y])?;
-        let best = &mut self.best_grade[self.grid.index(c, r)];
+        let (column, row) = self.grid.cell_of(centre)?;
+        let best = &mut self.best_grade[self.grid.index(column, row)];
         if grade < f64::from(*best) + 1.0 {
             return None;
         }
         *best = grade as u8;
-        let corners = ground_corners(view, column, row, pixel.depth_m);
-        disc_intersection(&corners, self.radius_m, self.vertices)
+        Some(())
     }
 
     /// The cell under the farthest point that may have lit the pixel's centre (4.38), if the
@@ -133,6 +167,45 @@ impl MarginSensor {
             cell
         })
     }
+}
+
+/// The pixels that say best where walls are: of each unbroken run of Obstacle pixels in a column of
+/// the image, the one whose far end is nearest.
+struct Walls {
+    /// The run at hand in each column: its last row, and the pixel.
+    runs: Vec<Option<(u16, Pixel)>>,
+    ended: Vec<Pixel>,
+}
+
+impl Walls {
+    fn new(columns: u16) -> Self {
+        Self { runs: vec![None; usize::from(columns)], ended: Vec::new() }
+    }
+
+    /// Takes the next pixel, in the order of rows.
+    fn visit(&mut self, pixel: &Pixel) {
+        match &mut self.runs[usize::from(pixel.column)] {
+            Some((last, nearest)) if *last + 1 == pixel.row => {
+                *last = pixel.row;
+                if pixel.reach_squared() < nearest.reach_squared() {
+                    *nearest = *pixel;
+                }
+            }
+            run => self.ended.extend(run.replace((pixel.row, *pixel)).map(|(_, nearest)| nearest)),
+        }
+    }
+
+    /// The pixels of all runs.
+    fn found(&self) -> impl Iterator<Item = &Pixel> {
+        self.ended.iter().chain(self.runs.iter().flatten().map(|(_, nearest)| nearest))
+    }
+}
+
+/// The middle of points and the greatest distance from it, metres.
+fn span(points: &[[f64; 2]]) -> Option<([f64; 2], f64)> {
+    let centre = centre_of_bounds(points)?;
+    let gap = |p: &[f64; 2]| (p[0] - centre[0]).hypot(p[1] - centre[1]);
+    Some((centre, points.iter().map(gap).fold(0.0, f64::max)))
 }
 
 fn for_each_obstacle_pixel(view: &CameraView, frame: &Frame, mut visit: impl FnMut(&Pixel)) {

@@ -8,6 +8,7 @@ use csat_proto::region::Region;
 use csat_tests::geometry::{Point, distance_m, points_in};
 use csat_tests::replay::{for_seeds, is_replay};
 use csat_tests::scenes::Case;
+use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -59,6 +60,30 @@ fn an_intersection_of_discs_lies_between_the_inscribed_and_the_whole() {
     assert!(is_replay() || (in_inscribed > 20_000 && none > 100));
 }
 
+/// The points of the ground under the hull of a pyramid that no Ground pixel sees, sampled densely,
+/// away from the camera and across.
+fn unseen(case: &Case, frame: &Frame, corners: &[Point]) -> Vec<Point> {
+    const ALONG: usize = 40;
+    let view = case.config.camera.at(&case.pose);
+    let model = &case.config.camera;
+    let is_seen = |p: &Point| {
+        view.project(&Vector3::new(p[0], p[1], 0.0)).is_some_and(|[c, r]| {
+            let inside = c >= 0.0 && r >= 0.0 && c < model.columns.into() && r < model.rows.into();
+            inside
+                && frame.labels[r as usize * usize::from(model.columns) + c as usize]
+                    == Label::Ground
+        })
+    };
+    // Corners come in pairs, the near end of a ray and its far end.
+    let ends: Vec<[Point; 2]> = corners.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
+    let along = |[near, far]: [Point; 2], i: usize| {
+        let share = i as f64 / ALONG as f64;
+        [0, 1].map(|axis| near[axis] + share * (far[axis] - near[axis]))
+    };
+    let on_rays = ends.iter().flat_map(|&ends| (0..=ALONG).map(move |i| along(ends, i)));
+    on_rays.filter(|p| !is_seen(p)).collect()
+}
+
 /// The pyramids of all Obstacle pixels.
 fn pyramids(case: &Case, frame: &Frame) -> Vec<Vec<Point>> {
     let view = case.config.camera.at(&case.pose);
@@ -85,7 +110,10 @@ fn every_point_of_the_margin_is_near_all_that_may_have_lit_some_pixel() {
         let radius_m = case.config.targets.obstacle_distance_m;
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         for p in points_in(margin.region(), 60, &mut rng) {
-            let near = |corners: &Vec<Point>| farthest_m(corners, p) <= radius_m;
+            let near = |corners: &Vec<Point>| {
+                farthest_m(corners, p) <= radius_m
+                    || farthest_m(&unseen(&case, &frame, corners), p) <= radius_m
+            };
             assert!(pyramids.iter().any(near), "{p:?} is near no pixel's pyramid\n{case:?}");
             checked += 1;
         }
