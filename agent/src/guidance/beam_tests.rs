@@ -7,6 +7,7 @@ use super::super::shadow::hides_point;
 use super::super::tests::{Scene, default_config, fill};
 use super::*;
 use crate::config::Criterion;
+use crate::estimate::oem::Oem;
 
 fn config(n_mpc: u8, beam: u16) -> AgentConfig {
     let mut config = default_config();
@@ -72,10 +73,27 @@ fn sets_spread_as_fast_as_targets_drive() {
     }
 }
 
+/// The map with every occupied cell half a cell larger on all sides, in cells half as large.
+fn widened(oem: &Oem, ground: &csat_proto::model::Ground) -> Oem {
+    let (grid, fine) = (*oem.grid(), Grid::covering(ground, 0.5 * oem.grid().cell_m));
+    let mut wide = Oem::unexplored(fine);
+    for delta in oem.known() {
+        let (column, row) = (delta.cell % grid.columns, delta.cell / grid.columns);
+        let around = |i: u32, end: u32| (2 * i).saturating_sub(1)..(2 * i + 3).min(end);
+        for (c, r) in
+            around(column, fine.columns).flat_map(|c| around(row, fine.rows).map(move |r| (c, r)))
+        {
+            wide.join(OemDelta { cell: fine.index(c, r) as u32, ..delta });
+        }
+    }
+    wide
+}
+
 /// Σ φ(X^Δ_k) of a sequence, cells by the definition; what is seen by the camera and point by point.
 fn cost(config: &AgentConfig, scene: &Scene, poses: &[Pose], other: &[Pose]) -> f64 {
     let beam = Beam::new(config, vec![]);
     let (mut remaining, margin) = (beam.coarse(&scene.wanted), beam.coarse(&scene.margin));
+    let oem = widened(&scene.oem, &config.ground);
     let see = |pose: &Pose, remaining: &mut Raster| {
         let [x, y] = [0, 1].map(|axis| (pose.p_world[axis] / 8.0).round() * 8.0);
         let rounded = Pose::level([x, y, pose.p_world[2]], pose.yaw_rad);
@@ -87,7 +105,7 @@ fn cost(config: &AgentConfig, scene: &Scene, poses: &[Pose], other: &[Pose]) -> 
                 .project(&ground)
                 .is_some_and(|[c, r]| (0.0..480.0).contains(&c) && (0.0..360.0).contains(&r));
             let far = (ground - footprint.centre_world()).norm() > config.camera.d_max_m;
-            if in_image && !far && !hides_point(&scene.oem, rounded.p_world, p) {
+            if in_image && !far && !hides_point(&oem, rounded.p_world, p) {
                 remaining.clear(column, row);
             }
         }
@@ -121,11 +139,12 @@ fn a_wide_beam_finds_what_brute_force_finds() {
             let poses = [one, turning.advance(&one, second)];
             least = least.min(cost(&config, &scene, &poses, &plan));
         }
-        // A shadow's border may cross a cell's centre within rounding.
-        assert!((found.cost / least - 1.0).abs() < 5e-3, "{round}: {} {least}", found.cost);
+        // Wide boxes end on multiples of 2.5 m and cells of 4 m have their centres on even numbers: some
+        // borders of shadows run through centres, where rounding decides.
+        assert!((found.cost / least - 1.0).abs() < 0.015, "{round}: {} {least}", found.cost);
         assert_eq!((found.poses.len(), found.nodes), (2, 30));
         let own = cost(&config, &scene, &found.poses, &plan);
-        assert!((found.cost / own - 1.0).abs() < 5e-3, "{round}: {} {own}", found.cost);
+        assert!((found.cost / own - 1.0).abs() < 0.015, "{round}: {} {own}", found.cost);
     }
 }
 

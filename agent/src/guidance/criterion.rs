@@ -70,8 +70,12 @@ impl Sight {
         Self::on(config.raster_grid(), config)
     }
 
-    /// As [`Self::new`], on another grid.
-    pub(super) fn on(grid: Grid, config: &AgentConfig) -> Self {
+    /// As [`Self::new`], on another grid and with [wide](Towers::wide) towers.
+    pub(super) fn wide(grid: Grid, config: &AgentConfig) -> Self {
+        Self { towers: Towers::wide(), ..Self::on(grid, config) }
+    }
+
+    fn on(grid: Grid, config: &AgentConfig) -> Self {
         Self {
             camera: config.camera,
             grid,

@@ -15,7 +15,11 @@ use crate::estimate::oem::Oem;
 /// The Occupied cells of an OEM, row by row.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Towers {
+    /// Whether towers reach half a cell beyond their own.
+    wide: bool,
     cell_m: f64,
+    /// Half the side of a tower, metres.
+    half_m: f64,
     origin: [f64; 2],
     /// (x, y, height) of the cells' centres, `world`, metres.
     towers: Vec<[f64; 3]>,
@@ -24,18 +28,28 @@ pub(super) struct Towers {
 }
 
 impl Towers {
+    /// Towers that reach half a cell beyond their own. A cell whose centre was seen is Empty (4.40),
+    /// whatever stands in its corner: so far buildings may reach beyond the cells they occupy.
+    pub(super) fn wide() -> Self {
+        Self { wide: true, ..Self::default() }
+    }
+
     /// Replaces the towers by the boxes (4.41) of `oem`.
     pub(super) fn load(&mut self, oem: &Oem) {
         let grid = oem.grid();
         (self.cell_m, self.origin) = (grid.cell_m, grid.origin());
+        self.half_m = if self.wide { grid.cell_m } else { 0.5 * grid.cell_m };
         self.towers.clear();
         self.row_starts.clear();
         for (cells, row) in oem.cells().chunks(grid.columns as usize).zip(0..) {
             self.row_starts.push(self.towers.len());
             for (cell, column) in cells.iter().zip(0..) {
                 if let OemCell::Occupied { height_dm } = *cell {
-                    let [x, y] = grid.centre(column, row);
-                    self.towers.push([x, y, f64::from(height_dm) / 10.0]);
+                    let (centre, height_m) =
+                        (grid.centre(column, row), f64::from(height_dm) / 10.0);
+                    if !self.wide || !is_covered(oem, column, row, height_m) {
+                        self.towers.push([centre[0], centre[1], height_m]);
+                    }
                 }
             }
         }
@@ -49,6 +63,20 @@ impl Towers {
         let (first, last) = (row(y - reach_m).floor(), row(y + reach_m).ceil());
         &self.towers[self.row_starts[first as usize]..self.row_starts[last as usize]]
     }
+}
+
+/// Whether two towers opposite each other, wide as they are, stand where this one does and are not
+/// lower: then it hides nothing that they do not. Only odd cells are left out, so that those which
+/// cover them are there, or are covered themselves by such as are.
+fn is_covered(oem: &Oem, column: u32, row: u32, height_m: f64) -> bool {
+    let grid = oem.grid();
+    let stands = |column: u32, row: u32| {
+        column < grid.columns
+            && row < grid.rows
+            && oem.height_m(column, row).is_some_and(|h| h >= height_m)
+    };
+    (column % 2 == 1 && stands(column - 1, row) && stands(column + 1, row))
+        || (row % 2 == 1 && stands(column, row - 1) && stands(column, row + 1))
 }
 
 /// Casts the shadows of [`Towers`] for one pose at a time.
@@ -99,7 +127,7 @@ impl Caster {
             self.foot_cell[axis] = cell as i64;
             self.phase[axis] = self.origin[axis] + (cell + 0.5) * self.cell_m - self.foot[axis];
         }
-        let half = 0.5 * towers.cell_m;
+        let half = towers.half_m;
         // No point of a cell is farther from its centre than this.
         let margin = half * std::f64::consts::SQRT_2;
         let fan = Fan::around([x, y], footprint);

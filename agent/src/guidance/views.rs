@@ -62,7 +62,7 @@ pub(super) struct Views {
 impl Views {
     /// No view yet, on `grid`.
     pub(super) fn new(grid: Grid, config: &AgentConfig) -> Self {
-        Self { sight: Sight::on(grid, config), oem: None, known: BTreeMap::new() }
+        Self { sight: Sight::wide(grid, config), oem: None, known: BTreeMap::new() }
     }
 
     /// The next looks are in the world of `oem`.
