@@ -2,14 +2,18 @@
 //! sets of cells for sets, no cars, links that lose nothing and obstacles known from the start. Some
 //! ten times as fast as `csat run`, and some points lower: compare within the lab only.
 //!
-//! Usage: `planner_lab SCENARIO SEEDS RESTARTS [KEY=VALUE]...`, say
+//! Usage: `planner_lab SCENARIO SEEDS RESTARTS [--frames] [KEY=VALUE]...`, say
 //! `planner_lab city 8 1 guidance.criterion=str4 guidance.str4.beam=25`. With more than one restart
 //! each town is flown as often, the beam wider by one each time; the best of them in hindsight is
 //! what `str4` might have reached, which the best possible flight can only beat.
+//!
+//! With `--frames`, cameras look at the town with its cars, and what is seen, X° and the map are what
+//! sensors make of their frames: then little but the sets' being polygons is missing of a mission.
 
 use csat_agent::config::{AgentConfig, Criterion};
 use csat_agent::estimate::oem::Oem;
 use csat_agent::guidance::{Picture, Planner};
+use csat_agent::sense::Sensor;
 use csat_experiments::plug::Mission;
 use csat_experiments::scenario::{self, Loaded, Request};
 use csat_experiments::set_membership::SetMembership;
@@ -18,6 +22,7 @@ use csat_proto::command::YawCommand;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::{Grid, Raster};
+use csat_world::camera::Renderer;
 use csat_world::world::World;
 
 /// Cells of the truth, metres.
@@ -28,14 +33,19 @@ const TOWER_M: f64 = 2.0;
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [name, seeds, restarts, sets @ ..] = args.as_slice() else {
-        panic!("usage: planner_lab SCENARIO SEEDS RESTARTS [KEY=VALUE]...")
+        panic!("usage: planner_lab SCENARIO SEEDS RESTARTS [--frames] [KEY=VALUE]...")
     };
     let seeds: u64 = seeds.parse().expect("a number of seeds");
     let restarts: u16 = restarts.parse().expect("a number of restarts");
+    let (frames, sets) = match sets {
+        [first, rest @ ..] if first == "--frames" => (true, rest),
+        _ => (false, sets),
+    };
     let (mut first, mut best) = (0.0, 0.0);
     for seed in 1..=seeds {
-        let flown: Vec<f64> =
-            (0..restarts.max(1)).map(|extra| Lab::new(name, sets, seed, extra).fly()).collect();
+        let lab = |extra| Lab::new(name, sets, seed, extra);
+        let lab = |extra| if frames { lab(extra).with_frames(seed) } else { lab(extra) };
+        let flown: Vec<f64> = (0..restarts.max(1)).map(|extra| lab(extra).fly()).collect();
         let least = flown.iter().copied().fold(f64::INFINITY, f64::min);
         println!("seed {seed}: {:.2} %, best of {} {least:.2} %", flown[0], flown.len());
         first += flown[0] / seeds as f64;
@@ -50,10 +60,13 @@ struct Lab {
     truth: Oem,
     /// What the planners know of it.
     oem: Oem,
-    /// X° on the grid of the truth and on that of the planners.
+    /// X°, as known, on the grid of the truth and on that of the planners.
     margins: [Raster; 2],
+    /// Cameras and sensors, if there are any.
+    cameras: Option<Cameras>,
     /// Looks at the truth.
     eye: Planner,
+    configs: Vec<AgentConfig>,
     planners: Vec<Planner>,
     /// Commanded yaws, radians.
     yaws: Vec<f64>,
@@ -91,6 +104,7 @@ impl Lab {
             truth: boxes(&world, Grid::covering(&world.ground(), TOWER_M), 2),
             oem: boxes(&world, configs[0].oem_grid(), 1),
             margins: [margin.clone(), coarse(&margin, configs[0].raster_grid(), 4)],
+            cameras: None,
             eye: Planner::new(&eye),
             planners: configs.iter().map(Planner::new).collect(),
             yaws: vec![0.0; configs.len()],
@@ -101,7 +115,21 @@ impl Lab {
             steps_per_block: (scenario.guidance.period_s / scenario.run.period_s).round() as u32,
             growth_m: scenario.targets.v_max_m_s * scenario.run.period_s,
             world,
+            configs,
         }
+    }
+
+    /// The same, with nothing known of the town and cameras to learn it by.
+    fn with_frames(mut self, seed: u64) -> Self {
+        let (margin, model) = (self.margins.each_ref(), self.configs[0].camera);
+        self.margins = margin.map(|margin| Raster::empty(*margin.grid()));
+        self.oem = Oem::unexplored(*self.oem.grid());
+        self.cameras = Some(Cameras {
+            sensors: self.configs.iter().map(Sensor::new).collect(),
+            renderers: self.configs.iter().map(|_| Renderer::new(model)).collect(),
+            seed,
+        });
+        self
     }
 
     /// φ(X̄), mean over the second half of the mission, per cent of the region.
@@ -131,19 +159,40 @@ impl Lab {
     }
 
     fn look(&mut self) {
-        self.unexplored.subtract(&self.margins[0]);
         let mut all_hidden = Raster::empty(*self.unexplored.grid());
-        for pose in self.world.poses() {
-            let mut seen = self.eye.footprint(&pose);
+        for (pose, id) in self.world.poses().into_iter().zip(0..) {
             let hidden = self.eye.predicted_hidden(&self.truth, &pose);
+            let mut seen = self.eye.footprint(&pose);
             seen.subtract(&hidden);
             all_hidden.union_with(&hidden);
+            let seen = self.photographed(AgentId(id)).unwrap_or(seen);
             self.unexplored.subtract(&seen);
         }
+        self.unexplored.subtract(&self.margins[0]);
+        self.margins[1] = coarse(&self.margins[0], *self.margins[1].grid(), 4);
         self.hidden.push(coarse(&all_hidden, *self.margins[1].grid(), 1));
         if self.hidden.len() > 12 {
             self.hidden.remove(0);
         }
+    }
+
+    /// Where a camera's frame proves that there is no car, not counting X°, which it adds to, as it
+    /// does to the map; `None` without cameras.
+    fn photographed(&mut self, id: AgentId) -> Option<Raster> {
+        let Cameras { sensors, renderers, seed } = self.cameras.as_mut()?;
+        let (index, step) = (usize::from(id.0), self.world.step());
+        let pose = self.world.poses()[index];
+        let frame = renderers[index].frame(&self.world.scene(), &pose, step, *seed, id);
+        let measured = sensors[index].measure(&frame);
+        for delta in measured.oem {
+            self.oem.join(delta);
+        }
+        self.margins[0].fill_region(measured.obstacle_margin.region());
+        let mut seen = Raster::of_region(*self.margins[0].grid(), measured.clear_ground.region());
+        for target in &measured.targets {
+            seen.fill_region(target.exclusion.region());
+        }
+        Some(seen)
     }
 
     /// Both passes of the loopback, and the commands.
@@ -179,6 +228,13 @@ impl Lab {
             self.world.command(AgentId(id), command).expect("a UAV of the fleet");
         }
     }
+}
+
+/// What takes pictures and measures them, by UAV.
+struct Cameras {
+    sensors: Vec<Sensor>,
+    renderers: Vec<Renderer>,
+    seed: u64,
 }
 
 /// The obstacles as boxes on the cells that hold at least `least` cells of the truth.
