@@ -9,6 +9,8 @@ use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
 use nalgebra::Vector3;
 
+use super::label_at;
+
 /// Pixels this near to where a point falls must be Ground too, pixels: far more than rounding.
 const GUARD_PX: f64 = 0.01;
 /// Halvings of the first step that is not all seen.
@@ -37,13 +39,8 @@ pub(super) fn unseen_part(
 
 /// Whether the ground at `p` is seen.
 pub(super) fn is_seen(view: &CameraView, frame: &Frame, p: [f64; 2]) -> bool {
-    let model = view.model();
-    view.project(&Vector3::new(p[0], p[1], 0.0)).is_some_and(|[c, r]| {
-        let inside =
-            c >= 0.0 && r >= 0.0 && c < f64::from(model.columns) && r < f64::from(model.rows);
-        let index = || r as usize * usize::from(model.columns) + c as usize;
-        inside && frame.labels[index()] == Label::Ground
-    })
+    let image = view.project(&Vector3::new(p[0], p[1], 0.0));
+    image.and_then(|point| label_at(view, frame, point)) == Some(Label::Ground)
 }
 
 /// A rectangle on the ground that points away from the camera.

@@ -6,6 +6,8 @@ use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::{Grid, Raster};
 use nalgebra::Vector3;
 
+use super::label_at;
+
 /// H^CVS (4.23) and the ground seen (4.6), as the cells whose centres fall on Obstacle, Target or
 /// Unknown pixels, or on Ground pixels, no farther than d_max.
 pub fn hidden_and_seen(view: &CameraView, frame: &Frame, grid: Grid) -> (Raster, Raster) {
@@ -40,7 +42,6 @@ fn for_each_visible_cell(
     mut visit: impl FnMut(u32, u32, Label),
 ) {
     let model = view.model();
-    let (width, height) = (f64::from(model.columns), f64::from(model.rows));
     let reach_squared = model.d_max_m * model.d_max_m;
     let camera_step = view.world_from_camera().row(0).transpose() * grid.cell_m;
     let Some((rows, columns)) = footprint_cells(view, &grid) else { return };
@@ -52,10 +53,8 @@ fn for_each_visible_cell(
             if p_camera.z <= 1e-9 || p_camera.norm_squared() > reach_squared {
                 continue;
             }
-            let [c, r] = view.project_camera(&p_camera);
-            if c >= 0.0 && r >= 0.0 && c < width && r < height {
-                let index = r as usize * usize::from(model.columns) + c as usize;
-                visit(column, row, frame.labels[index]);
+            if let Some(label) = label_at(view, frame, view.project_camera(&p_camera)) {
+                visit(column, row, label);
             }
         }
     }

@@ -20,7 +20,7 @@ pub mod pyramid;
 pub mod target;
 
 use csat_proto::camera::CameraView;
-use csat_proto::frame::Frame;
+use csat_proto::frame::{Frame, Label};
 use csat_proto::ids::TargetId;
 use csat_proto::oem::OemDelta;
 use csat_proto::raster::Raster;
@@ -28,6 +28,13 @@ use csat_proto::region::Region;
 
 use crate::config::{AgentConfig, Criterion};
 use crate::region::{Disc, Inner, Outer};
+
+/// The label of the pixel that an image point (c, r), pixels, falls into; `None` outside the image.
+fn label_at(view: &CameraView, frame: &Frame, [c, r]: [f64; 2]) -> Option<Label> {
+    let (columns, rows) = (view.model().columns, view.model().rows);
+    let inside = c >= 0.0 && r >= 0.0 && c < f64::from(columns) && r < f64::from(rows);
+    inside.then(|| frame.labels[r as usize * usize::from(columns) + c as usize])
+}
 
 /// An identified target in one frame.
 #[derive(Debug, Clone, PartialEq)]
