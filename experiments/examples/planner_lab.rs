@@ -60,8 +60,8 @@ struct Lab {
     truth: Oem,
     /// What the planners know of it.
     oem: Oem,
-    /// X°, as known, on the grid of the truth and on that of the planners.
-    margins: [Raster; 2],
+    /// X°, as known.
+    margin: Raster,
     /// Cameras and sensors, if there are any.
     cameras: Option<Cameras>,
     /// Looks at the truth.
@@ -103,7 +103,7 @@ impl Lab {
         Self {
             truth: boxes(&world, Grid::covering(&world.ground(), TOWER_M), 2),
             oem: boxes(&world, configs[0].oem_grid(), 1),
-            margins: [margin.clone(), coarse(&margin, configs[0].raster_grid(), 4)],
+            margin,
             cameras: None,
             eye: Planner::new(&eye),
             planners: configs.iter().map(Planner::new).collect(),
@@ -121,12 +121,11 @@ impl Lab {
 
     /// The same, with nothing known of the town and cameras to learn it by.
     fn with_frames(mut self, seed: u64) -> Self {
-        let (margin, model) = (self.margins.each_ref(), self.configs[0].camera);
-        self.margins = margin.map(|margin| Raster::empty(*margin.grid()));
+        self.margin = Raster::empty(*self.margin.grid());
         self.oem = Oem::unexplored(*self.oem.grid());
         self.cameras = Some(Cameras {
             sensors: self.configs.iter().map(Sensor::new).collect(),
-            renderers: self.configs.iter().map(|_| Renderer::new(model)).collect(),
+            renderers: self.configs.iter().map(|config| Renderer::new(config.camera)).collect(),
             seed,
         });
         self
@@ -162,15 +161,16 @@ impl Lab {
         let mut all_hidden = Raster::empty(*self.unexplored.grid());
         for (pose, id) in self.world.poses().into_iter().zip(0..) {
             let hidden = self.eye.predicted_hidden(&self.truth, &pose);
-            let mut seen = self.eye.footprint(&pose);
-            seen.subtract(&hidden);
             all_hidden.union_with(&hidden);
-            let seen = self.photographed(AgentId(id)).unwrap_or(seen);
+            let seen = self.photographed(AgentId(id)).unwrap_or_else(|| {
+                let mut seen = self.eye.footprint(&pose);
+                seen.subtract(&hidden);
+                seen
+            });
             self.unexplored.subtract(&seen);
         }
-        self.unexplored.subtract(&self.margins[0]);
-        self.margins[1] = coarse(&self.margins[0], *self.margins[1].grid(), 4);
-        self.hidden.push(coarse(&all_hidden, *self.margins[1].grid(), 1));
+        self.unexplored.subtract(&self.margin);
+        self.hidden.push(coarse(&all_hidden, self.configs[0].raster_grid(), 1));
         if self.hidden.len() > 12 {
             self.hidden.remove(0);
         }
@@ -187,8 +187,8 @@ impl Lab {
         for delta in measured.oem {
             self.oem.join(delta);
         }
-        self.margins[0].fill_region(measured.obstacle_margin.region());
-        let mut seen = Raster::of_region(*self.margins[0].grid(), measured.clear_ground.region());
+        self.margin.fill_region(measured.obstacle_margin.region());
+        let mut seen = Raster::of_region(*self.margin.grid(), measured.clear_ground.region());
         for target in &measured.targets {
             seen.fill_region(target.exclusion.region());
         }
@@ -197,13 +197,14 @@ impl Lab {
 
     /// Both passes of the loopback, and the commands.
     fn decide(&mut self) {
-        let grid = *self.margins[1].grid();
+        let grid = self.configs[0].raster_grid();
+        let margin = coarse(&self.margin, grid, 4);
         let (wanted, nothing) = (coarse(&self.unexplored, grid, 1), Raster::empty(grid));
         let mut hidden_recent = nothing.clone();
         self.hidden.iter().for_each(|hidden| hidden_recent.union_with(hidden));
         let picture = Picture {
             wanted: &wanted,
-            margin: &self.margins[1],
+            margin: &margin,
             hidden_now: &nothing,
             neighbours_hidden_now: &[],
             hidden_recent: &hidden_recent,
