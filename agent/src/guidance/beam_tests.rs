@@ -126,7 +126,9 @@ fn cost(config: &AgentConfig, scene: &Scene, poses: &[Pose], other: &[Pose]) -> 
 fn a_wide_beam_finds_what_brute_force_finds() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
     for round in 0..4 {
-        let config = config(2, 1000);
+        let mut config = config(2, 1000);
+        // Boxes of 5 m, widened, would end on the centres of cells of 4 m.
+        config.estimator.oem_cell_m = 5.2;
         let (scene, pose, other) = (scene(&config, &mut rng), start(&mut rng), start(&mut rng));
         let plan = Motion::new(&config).forecast(&[other], 0, 2);
         let found =
@@ -139,12 +141,11 @@ fn a_wide_beam_finds_what_brute_force_finds() {
             let poses = [one, turning.advance(&one, second)];
             least = least.min(cost(&config, &scene, &poses, &plan));
         }
-        // Wide boxes end on multiples of 2.5 m and cells of 4 m have their centres on even numbers: some
-        // borders of shadows run through centres, where rounding decides.
-        assert!((found.cost / least - 1.0).abs() < 0.015, "{round}: {} {least}", found.cost);
+        // Slopes of rays are rounded: at the border of a shadow a cell may be on the other side.
+        assert!((found.cost / least - 1.0).abs() < 8e-3, "{round}: {} {least}", found.cost);
         assert_eq!((found.poses.len(), found.nodes), (2, 30));
         let own = cost(&config, &scene, &found.poses, &plan);
-        assert!((found.cost / own - 1.0).abs() < 0.015, "{round}: {} {own}", found.cost);
+        assert!((found.cost / own - 1.0).abs() < 8e-3, "{round}: {} {own}", found.cost);
     }
 }
 
