@@ -6,7 +6,7 @@ use csat_proto::region::{Region, Ring, grid_point, metres};
 
 use crate::region::{Inner, NUMERIC_MARGIN_M, Outer};
 
-/// X̲^{t,m} (4.17), inner: within r_s^tt of every possible location of an identified target, so no
+/// X̲^t (4.17), inner: within r_s^tt of every possible location of an identified target, so no
 /// other target's location is in it. Empty when the target is located too roughly.
 pub fn exclusion(location: &Outer, radius_m: f64, vertices: u16) -> Inner {
     // The discs about the vertices suffice: distance to a fixed point is greatest at a vertex of the

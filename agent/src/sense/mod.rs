@@ -6,7 +6,7 @@
 //! | [`clear`] | that outline | clear ground C (4.6), inner |
 //! | [`pyramid`] | a pixel and its depth | the points that may have lit it (A.2, A.3) |
 //! | [`target`] | Target pixels of a detection | X^{t,m} (4.4), outer |
-//! | [`exclusion`] | X^{t,m} | X̲^{t,m} (4.17), inner |
+//! | [`exclusion`] | X^{t,m} \\ C | X̲^t (4.17), inner |
 //! | [`obstacle`] | Obstacle pixels | S° (4.12), inner, and occupied cells (4.39) |
 //! | [`hidden`] | all labels | H^CVS (4.23), seen ground, empty cells (4.40) |
 
@@ -43,7 +43,7 @@ pub struct MeasuredTarget {
     pub target: TargetId,
     /// X^{t,m}_j: contains the location of j.
     pub location: Outer,
-    /// X̲^{t,m}_j: contains no other target's location.
+    /// X̲^t_j: contains no other target's location.
     pub exclusion: Inner,
 }
 
@@ -91,10 +91,11 @@ impl Sensor {
     pub fn measure(&mut self, frame: &Frame) -> Measured {
         let view = self.config.camera.at(&frame.pose);
         let (hidden, seen) = hidden::hidden_and_seen(&view, frame, self.config.raster_grid());
+        let clear_ground = self.clear_ground(&view, frame);
         let mut measured = Measured {
-            clear_ground: self.clear_ground(&view, frame),
+            targets: self.targets(&view, frame, &clear_ground),
+            clear_ground,
             obstacle_margin: Inner::default(),
-            targets: self.targets(&view, frame),
             hidden,
             seen,
             oem: Vec::new(),
@@ -118,14 +119,21 @@ impl Sensor {
         clear::clear_ground(view, &outline, &self.ground)
     }
 
-    fn targets(&self, view: &CameraView, frame: &Frame) -> Vec<MeasuredTarget> {
+    fn targets(
+        &self,
+        view: &CameraView,
+        frame: &Frame,
+        clear_ground: &Inner,
+    ) -> Vec<MeasuredTarget> {
         let knowledge = &self.config.targets;
         let vertices = self.config.estimator.disc_vertices;
         let measure = |detection: &csat_proto::frame::Detection| {
             let location =
                 target::location(view, frame, detection.pixels, &self.cylinder, &self.ground)
                     .simplified(self.config.estimator.simplify_m);
-            let exclusion = exclusion::exclusion(&location, knowledge.target_distance_m, vertices);
+            // X^t, of which little is left but the car and its shadow.
+            let closer = location.minus([clear_ground]);
+            let exclusion = exclusion::exclusion(&closer, knowledge.target_distance_m, vertices);
             MeasuredTarget { target: detection.target, location, exclusion }
         };
         frame.detections.iter().map(measure).collect()
