@@ -36,7 +36,9 @@ pub fn predict_and_correct(recorded: &Recorded) -> String {
     let own = recorded.agent().measured().map(|measured| (step, measured));
     Estimator::new(config).update(&mut corrected, own, Vec::new());
     let corrected = corrected.unexplored;
-    let window = most_changed(&config.ground, predicted.region(), corrected.region(), SIDE_M);
+    // X° takes back what has grown into it at every step, whatever the frame shows.
+    let beyond_margin = predicted.minus([&recorded.before.margin]);
+    let window = most_changed(&config.ground, beyond_margin.region(), corrected.region(), SIDE_M);
     // What is far outside of the window only makes the file larger.
     let near = Outer::containing(square(window, SIDE_M + 4.0));
     let [before, predicted, corrected] =
