@@ -43,8 +43,10 @@ fn main() {
     };
     let (mut first, mut best) = (0.0, 0.0);
     for seed in 1..=seeds {
-        let lab = |extra| Lab::new(name, sets, seed, extra);
-        let lab = |extra| if frames { lab(extra).with_frames(seed) } else { lab(extra) };
+        let lab = |extra| {
+            let lab = Lab::new(name, sets, seed, extra);
+            if frames { lab.with_frames(seed) } else { lab }
+        };
         let flown: Vec<f64> = (0..restarts.max(1)).map(|extra| lab(extra).fly()).collect();
         let least = flown.iter().copied().fold(f64::INFINITY, f64::min);
         println!("seed {seed}: {:.2} %, best of {} {least:.2} %", flown[0], flown.len());

@@ -19,7 +19,7 @@ pub struct TargetFact {
     pub target: TargetId,
     /// X^{t,m}_j (4.4), outer: contains the location of j.
     pub location: Region,
-    /// X̲^{t,m}_j (4.17), inner: contains no other target's location.
+    /// X̲^t_j (4.17), inner: contains no other target's location.
     pub exclusion: Region,
 }
 

@@ -144,10 +144,9 @@ fn an_exclusion_is_near_all_of_its_target_set() {
         let radius_m = case.config.targets.target_distance_m;
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         for seen in &measured.targets {
-            let mut locations = points_in(seen.location.region(), 60, &mut rng);
-            let in_the_open: Vec<Point>;
-            (in_the_open, locations) =
-                locations.into_iter().partition(|&p| measured.clear_ground.region().contains(p));
+            let places = points_in(seen.location.region(), 60, &mut rng).into_iter();
+            let (in_the_open, locations): (Vec<Point>, Vec<Point>) =
+                places.partition(|&p| measured.clear_ground.region().contains(p));
             exclusions += u32::from(!seen.exclusion.is_empty());
             for p in points_in(seen.exclusion.region(), 30, &mut rng) {
                 let distance_m = farthest_m(&locations, p);
