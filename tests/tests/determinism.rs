@@ -1,7 +1,9 @@
 //! Same scenario and seed: same digest, whatever the number of threads and whoever watches.
 
+use csat_agent::config::ExchangeMode;
 use csat_experiments::set_membership::SetMembership;
-use csat_tests::missions::{Outcome, fly, fly_mission, small};
+use csat_netem::config::{OutageConfig, OutageKind};
+use csat_tests::missions::{Outcome, fly, fly_mission, small, with_mode};
 use csat_tests::replay::for_seeds;
 use csat_tests::swarm::draw::Draw;
 use rayon::ThreadPoolBuilder;
@@ -63,4 +65,22 @@ fn sharing_work_changes_nothing() {
         let alone = SetMembership::new(&scenario).each_by_itself();
         assert_eq!(fly(&scenario, steps), fly_mission(alone, &scenario, steps));
     });
+}
+
+/// Whoever told a snapshot does not hear it, and ends with the same bits as those who did: while one
+/// of them is cut off the others know the same, and afterwards all hear two different snapshots.
+#[test]
+fn a_neighbour_that_comes_back_changes_nothing_in_that() {
+    for mode in [ExchangeMode::Snapshot, ExchangeMode::FactsRepair] {
+        for (seed, agent) in [(1, 2), (2, 1), (3, 2)] {
+            let mut scenario = with_mode(small(seed, 120.0, 4), mode);
+            let (from_s, until_s) = (4.9, 7.1);
+            let kind = OutageKind::Radio;
+            scenario.netem.outage.push(OutageConfig { agent, from_s, until_s, kind });
+            let alone = SetMembership::new(&scenario).each_by_itself();
+            let together = fly(&scenario, STEPS);
+            assert_eq!(together, fly_mission(alone, &scenario, STEPS), "{mode:?}, seed {seed}");
+            together.check("a neighbour that comes back");
+        }
+    }
 }

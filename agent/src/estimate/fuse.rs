@@ -1,8 +1,10 @@
 //! Fusion of what others knew (4.34)-(4.37), over links that delay, lose, repeat and reorder.
 //!
-//! Intersections and unions commute and repeat for free, so the order of snapshots and repeats do
-//! not matter. A set that equals the own one to the last bit is passed over: with perfect links a
-//! snapshot changes nothing that the facts had not changed already.
+//! Intersections and unions commute and repeat for free, so the order of snapshots and repeats do not
+//! matter to what the sets are; to their last bits it does. A set that equals the own one as it was
+//! before anything was merged is passed over: with perfect links a snapshot changes nothing that the
+//! facts had not changed already, and whoever told a snapshot, and so does not hear it, ends with the
+//! same bits as those who heard it and had known as much.
 
 use std::collections::BTreeMap;
 
@@ -15,16 +17,29 @@ use super::state::Knowledge;
 use crate::mutant::{Mutant, is_on};
 use crate::region::{Inner, Outer};
 
-/// Merges the outer sets that somebody knew at its step into those known at the own one.
+/// Merges the outer sets that others knew, each at its own step, into those known now.
+pub(super) fn fuse<'a>(
+    knowledge: &mut Knowledge,
+    known: impl Iterator<Item = &'a Known>,
+    ager: &Ager,
+) {
+    let mut known = known.peekable();
+    if known.peek().is_some() {
+        let before = knowledge.clone();
+        known.for_each(|known| merge(knowledge, &before, known, ager));
+    }
+}
+
+/// Merges what one of them knew into what has become of `before`.
 ///
 /// X̄ of the other is only taken together with its L and X_j: a target it knows of is not in its X̄.
-pub(super) fn fuse(knowledge: &mut Knowledge, known: &Known, ager: &Ager) {
+fn merge(knowledge: &mut Knowledge, before: &Knowledge, known: &Known, ager: &Ager) {
     let reach = match is_on(Mutant::LateSnapshotNotDilated) {
         true => None,
         false => ager.reach(knowledge.step, known.step),
     };
-    let meet = |own: &Outer, their: &Region| {
-        if reach.is_none() && own.region() == their {
+    let meet = |own: &Outer, before: &Outer, their: &Region| {
+        if reach.is_none() && before.region() == their {
             return own.clone();
         }
         own.intersection(&ager.dilated(their.clone(), reach.as_ref()))
@@ -36,9 +51,10 @@ pub(super) fn fuse(knowledge: &mut Knowledge, known: &Known, ager: &Ager) {
     let mut merged = BTreeMap::new();
     for &j in knowledge.targets.keys().chain(theirs.keys()) {
         let their_set = theirs.get(&j).copied().unwrap_or(&known.unexplored);
-        merged.entry(j).or_insert_with(|| meet(knowledge.set_of(j), their_set));
+        let (own, before) = (knowledge.set_of(j), before.set_of(j));
+        merged.entry(j).or_insert_with(|| meet(own, before, their_set));
     }
-    knowledge.unexplored = meet(&knowledge.unexplored, &known.unexplored);
+    knowledge.unexplored = meet(&knowledge.unexplored, &before.unexplored, &known.unexplored);
     knowledge.targets = merged;
 }
 

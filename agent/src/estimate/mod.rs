@@ -72,7 +72,7 @@ impl Estimator {
         }
         info_span!("fuse").in_scope(|| {
             let known = heard.iter().filter_map(|h| h.known.as_deref());
-            known.for_each(|known| fuse::fuse(knowledge, known, &self.ager));
+            fuse::fuse(knowledge, known, &self.ager);
         });
         let predicted = info_span!("estimate").in_scope(|| match own {
             Some((step, _)) => self.predictor.predict(knowledge, step),
