@@ -92,10 +92,8 @@ pub struct SetMembershipAgent {
     measured: Option<Measured>,
     /// The step of that frame and what was said of it, until it is applied.
     frame: Option<(Step, Option<Said>)>,
-    /// What each neighbour last saw.
-    last_facts: BTreeMap<AgentId, Arc<Fact>>,
-    /// Where each neighbour last was heard from.
-    positions: BTreeMap<AgentId, [f64; 2]>,
+    /// The newest fact of each neighbour, and where it told it, `world`, metres.
+    last_facts: BTreeMap<AgentId, (Arc<Fact>, [f64; 2])>,
     rejected: BTreeMap<&'static str, u64>,
     commands: VecDeque<YawCommand>,
     events: VecDeque<Event>,
@@ -131,7 +129,6 @@ impl SetMembershipAgent {
             commanded_yaw_rad: None,
             measured: None,
             last_facts: BTreeMap::new(),
-            positions: BTreeMap::new(),
             rejected: BTreeMap::new(),
             commands: VecDeque::new(),
             events: VecDeque::new(),
@@ -252,7 +249,7 @@ impl SetMembershipAgent {
     /// Where UAVs are, as far as is known.
     fn fleet(&self) -> Vec<[f64; 2]> {
         let own = [self.pose.p_world[0], self.pose.p_world[1]];
-        std::iter::once(own).chain(self.positions.values().copied()).collect()
+        std::iter::once(own).chain(self.last_facts.values().map(|(_, at)| *at)).collect()
     }
 
     fn reject(&mut self, rejection: &Rejection) {
@@ -272,7 +269,7 @@ impl SetMembershipAgent {
         let decision = info_span!("guidance").in_scope(|| {
             let coarse = self.knowledge.coarse();
             let nothing = Raster::empty(self.config.raster_grid());
-            let hidden_to = |id| self.last_facts.get(id).map(|fact| &fact.hidden);
+            let hidden_to = |id| self.last_facts.get(id).map(|(fact, _)| &fact.hidden);
             let neighbours_hidden_now: Vec<Option<&Raster>> =
                 pass.neighbours.iter().map(hidden_to).collect();
             let picture = Picture {
@@ -307,6 +304,11 @@ impl Agent for SetMembershipAgent {
 
     fn handle_frame(&mut self, now: SimTime, frame: &Frame) {
         self.now = now;
+        let last = self.step();
+        if self.measured.is_some() && frame.step <= last {
+            // What it shows is of then, and would be believed of now.
+            return self.reject(&Rejection::OldFrame { got: frame.step.0, last: last.0 });
+        }
         self.stirred = true;
         self.pose = frame.pose;
         // The frame before was never followed by a timeout: whoever drives this is late.
@@ -339,8 +341,10 @@ impl Agent for SetMembershipAgent {
         self.now = now;
         match self.inbox.receive(self.step(), bytes, &self.held) {
             Ok(Received::Knowledge { from, p_world, fact }) => {
-                self.last_facts.insert(from, fact);
-                self.positions.insert(from, [p_world[0], p_world[1]]);
+                let known = self.last_facts.get(&from);
+                if known.is_none_or(|(known, _)| known.step <= fact.step) {
+                    self.last_facts.insert(from, (fact, [p_world[0], p_world[1]]));
+                }
             }
             Ok(Received::Plan { from, incarnation, plan }) => {
                 match self.scheduler.on_plan(from, &plan) {

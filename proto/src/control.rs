@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::camera::{CameraModel, Pose};
 use crate::command::YawCommand;
 use crate::frame::{Detection, Label, PixelBox};
-use crate::ids::{AgentId, Incarnation, RunId, TargetId};
+use crate::ids::{AgentId, Incarnation, MAX_TARGETS, RunId, TargetId};
 use crate::time::{SimTime, Step};
 
 /// The version of this protocol: processes of another one are refused.
@@ -95,6 +95,14 @@ pub struct FrameHeader {
 /// Why a frame is not believed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum HeaderError {
+    /// Its step is not after that of the frame before.
+    #[error("step {step} after step {last}: steps increase")]
+    Backwards {
+        /// k.
+        step: Step,
+        /// That of the last frame.
+        last: Step,
+    },
     /// Its instant is not that of its step.
     #[error("step {step} is at {got_s} s, expected {expected_s} s")]
     Time {
@@ -114,6 +122,9 @@ pub enum HeaderError {
     /// Targets out of order, or twice.
     #[error("detections of targets {0} and {1}: expected each target once, by increasing index")]
     Order(TargetId, TargetId),
+    /// A target that nobody could tell others of.
+    #[error("detection of target {0}: expected an index below {MAX_TARGETS}")]
+    Target(TargetId),
     /// A box outside the image, or the wrong way round.
     #[error("target {target} in columns {columns:?} and rows {rows:?} of {image:?} pixels")]
     Outside {
@@ -132,8 +143,9 @@ pub enum HeaderError {
 }
 
 impl FrameHeader {
-    /// Checks what the guarantee rests on and a world may get wrong: the instant of the step, a pose
-    /// above the ground, and detections with a Target pixel each. `labels` are the frame's pixels.
+    /// Checks what the guarantee rests on and a world may get wrong: that time goes on from the frame
+    /// of step `last`, the instant of the step, a pose above the ground, and detections with a Target
+    /// pixel each. `labels` are the frame's pixels.
     ///
     /// # Errors
     /// The first thing that is wrong.
@@ -141,9 +153,13 @@ impl FrameHeader {
         &self,
         camera: &CameraModel,
         period_s: f64,
+        last: Option<Step>,
         labels: &[Label],
     ) -> Result<(), HeaderError> {
         let step = self.step;
+        if let Some(last) = last.filter(|last| step <= *last) {
+            return Err(HeaderError::Backwards { step, last });
+        }
         for (step, time) in [(step, self.time), (Step(step.0.saturating_add(1)), self.next)] {
             let expected = SimTime::from_seconds(f64::from(step.0) * period_s);
             if time.0.abs_diff(expected.0) > 1 {
@@ -158,6 +174,10 @@ impl FrameHeader {
         }
         if let Some([a, b]) = self.detections.array_windows().find(|[a, b]| a.target >= b.target) {
             return Err(HeaderError::Order(a.target, b.target));
+        }
+        // They are in order, so that the last one has the greatest index.
+        if let Some(last) = self.detections.last().filter(|last| last.target.0 >= MAX_TARGETS) {
+            return Err(HeaderError::Target(last.target));
         }
         self.detections.iter().try_for_each(|detection| check_box(detection, camera, labels))
     }
@@ -272,7 +292,7 @@ mod tests {
         (labels[0], labels[7]) = (Label::Target, Label::Target);
         let mut header = header();
         change(&mut header, &mut labels);
-        header.check(&camera, 0.5, &labels)
+        header.check(&camera, 0.5, Some(Step(3)), &labels)
     }
 
     #[test]
@@ -287,6 +307,12 @@ mod tests {
         assert_eq!(twice, Err(HeaderError::Order(TargetId(1), TargetId(1))));
         let outside = check(|h, _| h.detections[1].pixels.columns = [3, 4]);
         assert!(matches!(outside, Err(HeaderError::Outside { .. })));
+        let far = check(|h, _| h.detections[1].target = TargetId(MAX_TARGETS));
+        assert_eq!(far, Err(HeaderError::Target(TargetId(MAX_TARGETS))));
+        let again = check(|h, _| {
+            (h.step, h.time, h.next) = (Step(3), SimTime::from_seconds(1.5), h.time);
+        });
+        assert_eq!(again, Err(HeaderError::Backwards { step: Step(3), last: Step(3) }));
         let empty = check(|_, labels| labels[7] = Label::Obstacle);
         assert_eq!(empty, Err(HeaderError::Empty(TargetId(3))));
     }

@@ -24,9 +24,13 @@ id!(
     AgentId(u16)
 );
 id!(
-    /// One target, 0-based. Agents learn of indexes only through detections.
+    /// One target, 0-based, below [`MAX_TARGETS`]. Agents learn of indexes only through detections.
     TargetId(u16)
 );
+
+/// More targets than this are nowhere accepted: each that is known of costs time in every step.
+pub const MAX_TARGETS: u16 = 1024;
+
 id!(
     /// How often an agent has been restarted: 0 at the start of the run. A higher incarnation
     /// begins with empty knowledge and a new sequence.

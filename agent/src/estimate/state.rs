@@ -31,6 +31,8 @@ pub struct Knowledge {
     /// X^h (5.43): ground once hidden and not seen since.
     pub hidden: Raster,
     recent_views: VecDeque<View>,
+    /// Views before this are forgotten.
+    views_from: Step,
     ground: Region,
     simplify_margin_m: f64,
 }
@@ -47,6 +49,7 @@ impl Knowledge {
             oem: Oem::unexplored(config.oem_grid()),
             hidden: Raster::empty(config.raster_grid()),
             recent_views: VecDeque::new(),
+            views_from: Step(0),
             simplify_margin_m: config.estimator.simplify_margin_m,
             ground,
         }
@@ -74,8 +77,12 @@ impl Knowledge {
     /// Notes what somebody could not see and saw at `step` (5.43), (5.44).
     ///
     /// Ground becomes hidden unless anybody saw it at that step or later; views may come late, in
-    /// any order and more than once.
+    /// any order and more than once. One from before all that are remembered is passed over: nobody
+    /// can tell any more whether its ground was seen since.
     pub(super) fn note_view(&mut self, step: Step, hidden: &Raster, seen: &Raster) {
+        if step < self.views_from {
+            return;
+        }
         match self.recent_views.iter_mut().find(|view| view.step == step) {
             Some(view) => {
                 view.hidden.union_with(hidden);
@@ -102,6 +109,7 @@ impl Knowledge {
     /// Forgets views before `oldest`.
     pub(super) fn forget_views_before(&mut self, oldest: Step) {
         self.recent_views.retain(|view| view.step >= oldest);
+        self.views_from = oldest;
     }
 
     /// The union of all that was hidden to anybody in the last h steps (5.30).
@@ -170,4 +178,27 @@ fn hash_region(hasher: &mut Xxh3Default, region: &Region) {
         }
     }
     hasher.update(&u64::MAX.to_le_bytes());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A view may come when it is too late to know what was seen since.
+    #[test]
+    fn ground_seen_since_is_not_hidden_by_a_view_that_comes_late() {
+        let config = crate::guidance::tests::default_config();
+        let nothing = Raster::empty(config.raster_grid());
+        let mut cell = nothing.clone();
+        cell.set(3, 4);
+        for window in [6, 12] {
+            let mut knowledge = Knowledge::at_start(&config);
+            knowledge.note_view(Step(10), &nothing, &cell);
+            knowledge.forget_views_before(Step(20 - window));
+            knowledge.note_view(Step(9), &cell, &nothing);
+            assert!(!knowledge.hidden.get(3, 4), "the last {window} steps are remembered");
+            knowledge.note_view(Step(15), &cell, &nothing);
+            assert!(knowledge.hidden.get(3, 4));
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! What is checked before anything in a message is believed.
 
 use csat_proto::envelope::{Envelope, EnvelopeError};
-use csat_proto::ids::{AgentId, TargetId};
+use csat_proto::ids::{AgentId, MAX_TARGETS, TargetId};
 use csat_proto::message::{Digest, Fact, Known, Message};
 use csat_proto::oem::OemPatch;
 use csat_proto::raster::Raster;
@@ -14,10 +14,7 @@ use crate::config::AgentConfig;
 use crate::estimate::oem::Oem;
 use crate::guidance::schedule::PlanError;
 
-/// Targets are numbered from 0; each that is known of costs time in every step.
-const MAX_TARGETS: u16 = 1024;
-
-/// Why a message was dropped.
+/// Why a message or a frame was dropped.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Rejection {
     /// The envelope is damaged or foreign.
@@ -117,6 +114,14 @@ pub enum Rejection {
         /// The limit.
         max: usize,
     },
+    /// An own frame that is not of a later step than the one before.
+    #[error("frame of step {got} after that of step {last}")]
+    OldFrame {
+        /// Its step.
+        got: u32,
+        /// That of the last frame.
+        last: u32,
+    },
     /// A flight plan that cannot be.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -145,6 +150,7 @@ impl Rejection {
             Self::Grid => "grid",
             Self::Cell { .. } => "cell",
             Self::Full { .. } => "full",
+            Self::OldFrame { .. } => "old-frame",
             Self::Plan(_) => "plan",
         }
     }

@@ -8,7 +8,7 @@ use csat_proto::oem::{OemCell, OemDelta};
 use super::*;
 use crate::config::{Channels, Criterion, EstimatorConfig, ExchangeConfig, GuidanceConfig};
 
-pub(super) fn default_config() -> AgentConfig {
+pub(crate) fn default_config() -> AgentConfig {
     AgentConfig {
         run: RunId(1),
         id: AgentId(0),

@@ -390,7 +390,8 @@ impl Shell {
         let &FrameHeader { step, time, next, pose, incarnation, .. } = header;
         // Crashes by schedule end the agent's mind only: its process needs no help.
         let is_late = self.clock.is_none() && incarnation.is_some_and(|life| life.0 > 0);
-        self.clock = Some(Clock { step, time, next, watch: Stopwatch::start() });
+        let clock = Clock { step, time, next, watch: Stopwatch::start() };
+        let last = self.clock.replace(clock).map(|clock| clock.step);
         self.ether.skip(&header.said);
         let is_another = incarnation.is_some_and(|life| life != self.seat.incarnation());
         if is_another {
@@ -400,7 +401,7 @@ impl Shell {
         if incarnation.is_some() {
             let (labels, depth) = frame_wire::decode(pixels, self.camera.pixels())
                 .map_err(|error| AgentError::Frame { step, error })?;
-            header.check(&self.camera, self.period_s, &labels)?;
+            header.check(&self.camera, self.period_s, last, &labels)?;
             let detections = header.detections.clone();
             self.seat.look(time, || Frame { step, pose, labels, depth, detections });
         }

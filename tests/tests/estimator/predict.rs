@@ -2,6 +2,7 @@
 
 use csat_agent::agent::SetMembershipAgent;
 use csat_proto::agent::Agent;
+use csat_proto::frame::Frame;
 use csat_proto::model::Ground;
 use csat_proto::region::{Region, metres};
 use csat_proto::time::{SimTime, Step};
@@ -163,4 +164,23 @@ fn a_prediction_hardly_reaches_farther_than_a_target() {
          {worst_m:.2} m too far, {corners:?} corners"
     );
     assert!(is_replay() || more_pct < 3.0, "{more_pct} %");
+}
+
+/// What a frame shows is of its own step; taken for the present, an old one would disprove too much.
+#[test]
+fn a_frame_of_no_later_step_is_refused() {
+    let case = case(2);
+    let mut start = Start::new(&case);
+    start.predict(&case, 9);
+    let before = start.agent.digest();
+    for step in [1, 8, 9] {
+        let old = Frame { step: Step(step), ..case.frame() };
+        let now = SimTime::from_seconds(9.2 * case.config.period_s);
+        start.agent.handle_frame(now, &old);
+        start.agent.handle_timeout(now);
+        assert_eq!(start.agent.digest(), before, "step {step}");
+    }
+    assert_eq!(start.agent.rejected().get("old-frame"), Some(&3));
+    start.predict(&case, 10);
+    assert_ne!(start.agent.digest(), before);
 }

@@ -45,6 +45,7 @@ fn every_reason(rejection: &Rejection) {
         | Rejection::Cell { .. }
         | Rejection::Digest { .. }
         | Rejection::Full { .. }
+        | Rejection::OldFrame { .. }
         | Rejection::Plan(_) => {}
     }
 }
