@@ -8,8 +8,7 @@ const VARIABLE: &str = "CSAT_SEED";
 /// Runs `check` for every seed of a range, or only for the one in `CSAT_SEED`. `test` is what
 /// `cargo test` needs to find the caller: its file and its name.
 pub fn for_seeds(test: [&'static str; 2], seeds: Range<u64>, mut check: impl FnMut(u64)) {
-    let picked = std::env::var(VARIABLE).ok().and_then(|seed| seed.parse().ok());
-    let seeds = picked.map_or(seeds, |seed: u64| seed..seed + 1);
+    let seeds = picked().map_or(seeds, |seed| seed..seed + 1);
     for seed in seeds {
         let _announce = Announce { test, seed };
         check(seed);
@@ -18,7 +17,14 @@ pub fn for_seeds(test: [&'static str; 2], seeds: Range<u64>, mut check: impl FnM
 
 /// Whether a single seed is being replayed: counts over all seeds mean nothing then.
 pub fn is_replay() -> bool {
-    std::env::var(VARIABLE).is_ok()
+    picked().is_some()
+}
+
+/// The seed in `CSAT_SEED`, if there is one.
+fn picked() -> Option<u64> {
+    let seed = std::env::var_os(VARIABLE)?;
+    let number = seed.to_str().and_then(|seed| seed.parse().ok());
+    Some(number.unwrap_or_else(|| panic!("{VARIABLE}={seed:?}: expected a seed, such as 17")))
 }
 
 struct Announce {

@@ -19,8 +19,8 @@ mod tests;
 
 use check::{lowest_altitude_m, mistakes};
 
-/// Roads end this far inside the border of the region, metres: a car's cylinder stays inside.
-const ROAD_INSET_M: f64 = 3.0;
+/// Room between the border of the region and the cylinder of a car on any road, metres.
+const BORDER_M: f64 = 0.5;
 /// Connected pieces of road shorter than this carry no cars, metres.
 const MIN_NETWORK_M: f64 = 20.0;
 
@@ -165,7 +165,8 @@ impl World {
         };
         let clearance_m = road_clearance_m(&config.targets);
         let walls = Walls::new(&map.obstacles);
-        let rules = RoadRules { inset_m: ROAD_INSET_M, clearance_m, min_network_m: MIN_NETWORK_M };
+        let inset_m = config.targets.radius_m + BORDER_M;
+        let rules = RoadRules { inset_m, clearance_m, min_network_m: MIN_NETWORK_M };
         let roads = RoadGraph::build(&map.ground, &map.roads, &walls, &rules);
         let traffic = Traffic::place(&roads, map.roads.len(), &config.targets, seed)
             .map_err(|e| WorldErrors(vec![e.into()]))?;

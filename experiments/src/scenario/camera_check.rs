@@ -143,7 +143,8 @@ fn pixels_inside(outline: &[[f64; 2]]) -> u32 {
     }
     let mut count = 0.0;
     let mut row = low.ceil();
-    while row + 1.0 <= high {
+    // A count that no image has room for says it all.
+    while row + 1.0 <= high && count < f64::from(u32::MAX) {
         // Inside a convex outline: both the upper and the lower edge of the row of pixels.
         if let (Some(a), Some(b)) = (chord(outline, row), chord(outline, row + 1.0)) {
             count += (a[1].min(b[1]).floor() - a[0].max(b[0]).ceil()).max(0.0);

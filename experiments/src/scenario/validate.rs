@@ -7,7 +7,7 @@ mod exchange;
 use csat_agent::config::{EstimatorConfig, GuidanceConfig};
 use csat_proto::camera::CameraModel;
 use csat_proto::model::{FleetModel, TargetsModel};
-use csat_world::map::MapKind;
+use csat_world::map::{MapKind, SIZES_M};
 
 use super::camera_check::car_coverage;
 use super::mistake::Mistake;
@@ -28,8 +28,8 @@ pub struct Issue {
 const MAX_COUNT: u16 = 1024;
 /// The longest horizon of `str4`, blocks.
 const MAX_STR4_BLOCKS: u8 = 32;
-/// The largest side of a region, metres: sets live on a grid of ±4095 m.
-const MAX_SIZE_M: f64 = 4000.0;
+/// The most sequences of increments that `str1` to `str3` try in a decision.
+const MAX_SEQUENCES: usize = 1_000_000;
 /// The most cells of a raster.
 const MAX_CELLS: f64 = 16_777_216.0;
 /// The most pixels of an image.
@@ -40,13 +40,9 @@ pub fn validate(scenario: &Scenario) -> Vec<Issue> {
     let mut check = Check(Vec::new());
     let period_s = run(&mut check, &scenario.run);
     let [east, north] = scenario.map.size_m;
-    let size_ok = [east, north].iter().all(|&s| s > 0.0 && s <= MAX_SIZE_M);
-    check.that(
-        size_ok,
-        &["map.size_m"],
-        &format!("[{east}, {north}]"),
-        "two lengths above 0 and up to 4000 m",
-    );
+    let size_ok = [east, north].iter().all(|side| SIZES_M.contains(side));
+    let expected = format!("two lengths from {} to {} m", SIZES_M.start(), SIZES_M.end());
+    check.that(size_ok, &["map.size_m"], &format!("[{east}, {north}]"), &expected);
     targets(&mut check, &scenario.targets);
     fleet(&mut check, scenario);
     camera(&mut check, scenario);
@@ -116,7 +112,9 @@ fn run(check: &mut Check, run: &RunConfig) -> Option<f64> {
 
 fn targets(check: &mut Check, targets: &TargetsModel) {
     check.count("targets.count", targets.count);
-    check.not_negative("targets.v_max_m_s", targets.v_max_m_s);
+    let v_max = targets.v_max_m_s;
+    let holds = (0.0..=100.0).contains(&v_max);
+    check.that(holds, &["targets.v_max_m_s"], &v_max.to_string(), "a speed from 0 to 100 m/s");
     check.not_negative("targets.obstacle_distance_m", targets.obstacle_distance_m);
     check.positive("targets.radius_m", targets.radius_m);
     check.positive("targets.cylinder_height_m", targets.cylinder_height_m);
@@ -149,7 +147,9 @@ fn targets(check: &mut Check, targets: &TargetsModel) {
 fn fleet(check: &mut Check, scenario: &Scenario) {
     let fleet = &scenario.agents;
     check.count("agents.count", fleet.count);
-    check.positive("agents.speed_m_s", fleet.speed_m_s);
+    let speed = fleet.speed_m_s;
+    let holds = speed > 0.0 && speed <= 300.0;
+    check.that(holds, &["agents.speed_m_s"], &speed.to_string(), "above 0 and up to 300 m/s");
     check.not_negative("agents.start_offset_m", fleet.start_offset_m);
     check.positive("agents.yaw_settling_s", fleet.yaw_settling_s);
     let step = fleet.altitude_step_m;
@@ -191,8 +191,8 @@ fn camera(check: &mut Check, scenario: &Scenario) {
     let expected = format!("an image of at most {MAX_PIXELS} pixels");
     check.that(camera.pixels() <= MAX_PIXELS, &keys, &image, &expected);
     let aperture = camera.aperture_deg;
-    let expected = "an angle between 0 and 180 degrees, both excluded";
-    let holds = aperture > 0.0 && aperture < 180.0;
+    let expected = "an angle from 1 to below 180 degrees";
+    let holds = (1.0..180.0).contains(&aperture);
     check.that(holds, &["camera.aperture_deg"], &aperture.to_string(), expected);
     let tilt_ok = (-90.0..=90.0).contains(&camera.tilt_deg);
     let expected = "an angle below the horizon, up to 90 degrees";
@@ -313,5 +313,12 @@ fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>)
         &["guidance.increments_deg"],
         &got,
         "1 to 32 angles from -180 to 180 degrees",
+    );
+    let sequences = increments.len().saturating_pow(n_mpc.into());
+    check.that(
+        sequences <= MAX_SEQUENCES || !(1..=6).contains(&n_mpc),
+        &["guidance.n_mpc", "guidance.increments_deg"],
+        &format!("{n_mpc} with {} increments", increments.len()),
+        &format!("at most {MAX_SEQUENCES} sequences of increments to try"),
     );
 }

@@ -69,12 +69,12 @@ fn town(seed: u64, rng: &mut ChaCha8Rng) -> Scenario {
         scenario.seed = rng.random::<u32>().into();
         scenario.targets.count = rng.random_range(1..=5);
         scenario.targets.v_max_m_s = [0.5, 1.0, 2.0, 4.0][rng.random_range(0..4)];
-        scenario.agents.start_offset_m = [0.0, -0.3 * side_m][rng.random_range(0..2)].max(0.0);
+        scenario.agents.start_offset_m = [0.0, 0.1 * side_m][rng.random_range(0..2)];
         // Now and then cars are seen well enough, and keep far enough apart, for exclusions to tell.
         let sharp = rng.random_bool(0.3);
         (scenario.camera.columns, scenario.camera.rows) = if sharp { (96, 72) } else { (48, 36) };
         scenario.targets.target_distance_m = if sharp { 14.0 } else { 8.0 };
-        scenario.estimator.disc_vertices = rng.random_range(5..=9);
+        scenario.estimator.disc_vertices = [4, 6, 8][rng.random_range(0..3)];
         scenario.estimator.simplify_m = [0.0, 0.3, 1.0, 1.0][rng.random_range(0..4)];
         scenario.estimator.simplify_margin_m = 1.0;
         scenario.estimator.outline_tolerance_px = 2.0;

@@ -2,7 +2,6 @@
 
 use csat_agent::agent::Event;
 use csat_agent::exchange::validate::Rejection;
-use csat_experiments::timing::Stopwatch;
 use csat_proto::agent::{Agent, MAX_MESSAGE_BYTES};
 use csat_proto::envelope::EnvelopeError;
 use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
@@ -166,11 +165,6 @@ fn a_dense_bundle_is_rejected_at_once() {
         let bundle = shape(&[&zigzag.collect::<Vec<Point>>()]);
         let bytes = bench.fact(|f| f.clear_ground = bundle);
         bench.expect("bundle", &bytes);
-        let (mut agent, watch) = (bench.agent.clone(), Stopwatch::start());
-        agent.handle_message(bench.now, &bytes);
-        let took_ms = watch.elapsed_ms();
-        println!("{} kB refused in {took_ms:.0} ms", bytes.len() / 1000);
-        assert!(took_ms < 200.0, "{took_ms} ms");
     }
 }
 
@@ -184,17 +178,14 @@ fn maps_that_cannot_be_are_rejected() {
     let mut agent = bench.agent.clone();
     agent.handle_message(bench.now, &bench.fact(|f| f.oem = upto(cells)));
     assert!(agent.rejected().is_empty(), "the last cell is one: {:?}", agent.rejected());
-    // Runs of gap, length, state: a few bytes that claim 2³² cells, and 2³⁴.
-    let runs = vec![(u32::MAX, u32::MAX, OemCell::Empty); 2];
+    // Runs of gap, length, state: bytes that claim 2³³ cells, and 2⁴⁶. Walking through those would take
+    // days.
+    let runs = vec![(u32::MAX, u32::MAX, OemCell::Empty); 1 << 13];
     for runs in [&runs[..1], &runs] {
         let bytes = postcard::to_stdvec(runs).unwrap();
         let claim: OemPatch = postcard::from_bytes(&bytes).unwrap();
-        assert!(bytes.len() < 30 && claim.end() >= 1 << 32);
-        let bytes = bench.fact(|f| f.oem = claim.clone());
-        let watch = Stopwatch::start();
-        bench.expect("cell", &bytes);
-        let took_ms = watch.elapsed_ms();
-        assert!(took_ms < 500.0, "{took_ms} ms: the cells were walked through");
+        assert!(bytes.len() < 100_000 && claim.end() >= (runs.len() as u64) << 32);
+        bench.expect("cell", &bench.fact(|f| f.oem = claim.clone()));
     }
 }
 

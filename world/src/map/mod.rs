@@ -9,6 +9,7 @@
 //! | [`project`] | longitude and latitude to the local tangent plane |
 //! | [`report`] | what can be wrong with a map, and what was put right |
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use csat_proto::model::Ground;
@@ -25,6 +26,10 @@ pub use report::{FeatureRef, MapError, MapWarning};
 
 use crate::obstacle::Obstacle;
 use project::TangentPlane;
+
+/// Sides of a region, metres. Sets live on a grid of ±4095 m (`proto::region`), and cameras look
+/// farther than the region.
+pub const SIZES_M: RangeInclusive<f64> = 20.0..=4000.0;
 
 /// How far below the lowest UAV every top must stay, metres.
 pub const FLIGHT_CLEARANCE_M: f64 = 2.0;
@@ -166,8 +171,8 @@ fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
             errors.push(MapError::Config { key, got, expected });
         }
     };
-    let size_ok = config.size_m.iter().all(|s| (20.0..=MAX_SIZE_M).contains(s));
-    let size_expected = format!("two lengths from 20 to {MAX_SIZE_M} m");
+    let size_ok = config.size_m.iter().all(|s| SIZES_M.contains(s));
+    let size_expected = format!("two lengths from {} to {} m", SIZES_M.start(), SIZES_M.end());
     expect(size_ok, "map.size_m", format!("{:?}", config.size_m), size_expected);
     let limit = rules.height_limit_m();
     expect(
@@ -199,9 +204,6 @@ fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
     }
     errors
 }
-
-/// The largest side of a region, metres: sets live on a grid of ±4095 m (`proto::region`).
-const MAX_SIZE_M: f64 = 8000.0;
 
 #[cfg(test)]
 mod tests {
