@@ -196,7 +196,7 @@ fn a_full_disk_names_the_file() {
     let Some(output) =
         output.ok().filter(|o| o.status.code() != Some(77) && !o.stderr.starts_with(b"unshare:"))
     else {
-        eprintln!("SKIPPED: no right to mount a small disk here; /dev/full and ulimit are tested");
+        common::skipped("no right to mount a small disk here; /dev/full and ulimit are tested");
         return;
     };
     let (said, left) = (text(&output.stderr), text(&output.stdout));

@@ -7,13 +7,12 @@
 
 mod common;
 
-use std::io::Write;
 use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
-use common::{command, csat, read, scratch, text};
+use common::{command, csat, read, scratch, skipped, text};
 use csat_experiments::timing::Stopwatch;
 
 /// Long enough for some seconds of flight on a machine that has other things to do.
@@ -34,8 +33,7 @@ fn python() -> Option<String> {
          eclipse-zenoh==1.10.2 numpy`, then CSAT_PYTHON=DIR/bin/python"
     );
     assert!(promised.is_none(), "CSAT_PYTHON: {message}");
-    // Not `eprintln!`, which the test harness keeps to itself.
-    let _ = writeln!(std::io::stderr(), "SKIPPED: {message}");
+    skipped(&message);
     None
 }
 

@@ -37,7 +37,7 @@ const SMALL: &[&str] = &[
 fn browser() -> Option<Browser> {
     let browser = Browser::start();
     if browser.is_none() {
-        eprintln!("SKIPPED: no chromium is installed, so nobody looked at the page");
+        common::skipped("no chromium is installed, so nobody looked at the page");
     }
     browser
 }

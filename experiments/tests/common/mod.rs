@@ -5,6 +5,7 @@
 pub mod docs;
 pub mod fleet;
 
+use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -72,4 +73,9 @@ pub fn read(path: &Path) -> String {
 /// A file that must be JSON.
 pub fn json(path: &Path) -> serde_json::Value {
     serde_json::from_str(&read(path)).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// Says that a test could not look at anything: not by `eprintln!`, which the harness keeps to itself.
+pub fn skipped(why: &str) {
+    let _ = writeln!(std::io::stderr(), "SKIPPED: {why}");
 }
