@@ -23,6 +23,7 @@ use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::{Grid, Raster};
 use csat_world::camera::Renderer;
+use csat_world::obstacle::Walls;
 use csat_world::world::World;
 
 /// Cells of the truth, metres.
@@ -95,11 +96,14 @@ impl Lab {
         eye.estimator.raster_cell_m = FINE_M;
         eye.guidance.criterion = Criterion::Str3;
         let fine = eye.raster_grid();
-        let mut built = Raster::empty(fine);
-        for obstacle in world.obstacles() {
-            built.fill_rings(&obstacle.rings().collect::<Vec<_>>());
+        let (walls, reach_m) =
+            (Walls::new(world.obstacles()), configs[0].targets.obstacle_distance_m);
+        let mut margin = Raster::empty(fine);
+        for (column, row) in (0..fine.rows).flat_map(|r| (0..fine.columns).map(move |c| (c, r))) {
+            if walls.nearest_within(fine.centre(column, row), reach_m).is_some() {
+                margin.set(column, row);
+            }
         }
-        let margin = built.dilated_disc(configs[0].targets.obstacle_distance_m);
         let mut unexplored = Raster::empty(fine);
         (0..fine.rows).for_each(|row| unexplored.set_run(row, 0..fine.columns));
         Self {

@@ -7,7 +7,8 @@ use super::simplify::{Kind, simplify_region, simplify_shapes};
 use super::sweep::eroded_path;
 use super::{Disc, RULE, overlay};
 
-/// A set that is contained in what it stands for; it may only shrink by rounding.
+/// A set that is contained in what it stands for, but for rounding, which the margin of what it was
+/// made of outweighs.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Inner(Region);
 
