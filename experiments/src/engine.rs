@@ -183,6 +183,12 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         &self.world
     }
 
+    /// Where targets were at a step of late: in real time a report may be of an earlier step than the
+    /// world's. `None` if that was too long ago.
+    pub fn truth_at(&self, step: Step) -> Option<&[TargetTruth]> {
+        truth_at(&self.truths, step)
+    }
+
     /// The agents, wherever they are.
     pub fn fleet_mut(&mut self) -> &mut F {
         &mut self.fleet
@@ -315,9 +321,8 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         }
         for flown in flown {
             let Some(report) = &flown.report else { continue };
-            // In real time a report may be of an earlier step.
             let known = self.mission.step(report);
-            let Some((_, targets)) = self.truths.iter().find(|(step, _)| *step == known) else {
+            let Some(targets) = truth_at(&self.truths, known) else {
                 tracing::warn!(agent = %flown.agent, %known, %step, "a report too late to check");
                 continue;
             };
@@ -335,4 +340,8 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         found.extend(self.monitor.check_messages(step, counts));
         found
     }
+}
+
+fn truth_at(truths: &VecDeque<(Step, Vec<TargetTruth>)>, step: Step) -> Option<&[TargetTruth]> {
+    truths.iter().find(|(of, _)| *of == step).map(|(_, targets)| targets.as_slice())
 }

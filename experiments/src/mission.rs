@@ -270,8 +270,14 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
             faults.filter(|f| matches!(f, Fault::Guarantee { agent, .. } if *agent == id)).count()
         };
         let (mission, step) = (&self.mission, trace.step.0);
-        let row = |flown: &Flown<M>| {
-            let report = flown.report.as_ref()?;
+        // What an agent knows is of its report's step, in real time perhaps an earlier one.
+        let truth_of = |flown: &Flown<M>| -> Option<Vec<[f64; 2]>> {
+            let truth = self.engine.truth_at(mission.step(flown.report.as_ref()?))?;
+            Some(truth.iter().map(|target| target.location).collect())
+        };
+        let truths: Vec<_> = trace.flown.iter().map(truth_of).collect();
+        let row = |(flown, truth): (&Flown<M>, &Option<Vec<[f64; 2]>>)| {
+            let (report, truth) = (flown.report.as_ref()?, truth.as_ref()?);
             let pose = &poses[usize::from(flown.agent.0)];
             let [x_m, y_m, z_m] = pose.p_world;
             let mut row = StepRecord {
@@ -287,10 +293,10 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
                 times: flown.times,
                 ..fleet
             };
-            mission.measure(report, &truth, &mut row);
+            mission.measure(report, truth, &mut row);
             Some(row)
         };
-        trace.flown.par_iter().filter_map(row).collect()
+        trace.flown.par_iter().zip(&truths).filter_map(row).collect()
     }
 
     /// What is the same in every row of a step.
