@@ -82,14 +82,25 @@ pub enum WorldError {
     Placement(#[from] PlacementError),
 }
 
-/// Every reason why there is no world; never empty.
+/// Why there is no world.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WorldErrors(pub Vec<WorldError>);
+pub struct WorldErrors {
+    /// Every reason; never empty.
+    pub errors: Vec<WorldError>,
+    /// What was left out of the map, which may be why it has no room.
+    pub map_warnings: Vec<MapWarning>,
+}
+
+impl From<Vec<WorldError>> for WorldErrors {
+    fn from(errors: Vec<WorldError>) -> Self {
+        Self { errors, map_warnings: Vec::new() }
+    }
+}
 
 impl std::fmt::Display for WorldErrors {
     /// One line per reason.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for (index, error) in self.0.iter().enumerate() {
+        for (index, error) in self.errors.iter().enumerate() {
             let separator = if index > 0 { "\n" } else { "" };
             write!(f, "{separator}{error}")?;
         }
@@ -157,10 +168,10 @@ impl World {
         let mut errors = mistakes(config);
         let map = match map {
             Ok(map) if errors.is_empty() => map,
-            Ok(_) => return Err(WorldErrors(errors)),
+            Ok(map) => return Err(WorldErrors { errors, map_warnings: map.warnings }),
             Err(more) => {
                 errors.extend(more.into_iter().map(WorldError::Map));
-                return Err(WorldErrors(errors));
+                return Err(errors.into());
             }
         };
         let clearance_m = road_clearance_m(&config.targets);
@@ -168,8 +179,13 @@ impl World {
         let inset_m = config.targets.radius_m + BORDER_M;
         let rules = RoadRules { inset_m, clearance_m, min_network_m: MIN_NETWORK_M };
         let roads = RoadGraph::build(&map.ground, &map.roads, &walls, &rules);
-        let traffic = Traffic::place(&roads, map.roads.len(), &config.targets, seed)
-            .map_err(|e| WorldErrors(vec![e.into()]))?;
+        let traffic = match Traffic::place(&roads, map.roads.len(), &config.targets, seed) {
+            Ok(traffic) => traffic,
+            Err(error) => {
+                let (errors, map_warnings) = (vec![error.into()], map.warnings);
+                return Err(WorldErrors { errors, map_warnings });
+            }
+        };
         let prisms = (0..).zip(&map.obstacles).map(|(i, o)| o.prism(i)).collect();
         let vehicles = (0..config.fleet.count)
             .map(|i| Quadcopter::at_start(&config.fleet, &map.ground, i))

@@ -10,7 +10,7 @@ use csat_experiments::reproduce::plan::{self, Plan};
 use csat_experiments::reproduce::table::Table;
 use csat_experiments::reproduce::{chapter5, flown, page, table1};
 use csat_experiments::run_folder::{Destination, FolderError, PartialFile, RunFolder};
-use csat_experiments::scenario::{self, Mistake, Mistakes};
+use csat_experiments::scenario::{self, Mistake};
 use csat_experiments::sweep::folder::{SweepFolder, Taking, default_root};
 use csat_experiments::sweep::manifest::{Manifest, quoted};
 use csat_experiments::sweep::results::Results;
@@ -92,7 +92,7 @@ fn manifest(arguments: &ReproduceArguments, plan: &Plan) -> anyhow::Result<Manif
 
 fn seeds(arguments: &ReproduceArguments, usual: &str) -> Result<Vec<u64>, SweepError> {
     parse_seeds(arguments.seeds.as_deref().unwrap_or(usual)).map_err(|error| {
-        SweepError::Mistakes(Mistakes(vec![Mistake::new(format!("--seeds: {error}"))]))
+        SweepError::Mistakes(vec![Mistake::new(format!("--seeds: {error}"))].into())
     })
 }
 

@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use anyhow::Context;
 use csat_experiments::cli::SweepArguments;
-use csat_experiments::scenario::{Mistake, Mistakes};
+use csat_experiments::scenario::Mistake;
 use csat_experiments::sweep::SweepError;
 use csat_experiments::sweep::check;
 use csat_experiments::sweep::folder::{SweepFolder, Taking, default_root};
@@ -99,7 +99,7 @@ fn plan_sweep(arguments: &SweepArguments) -> anyhow::Result<(Manifest, Shard)> {
         mistakes.push(Mistake::new(message).expected(format!("at most {MAX_RUNS}")));
     }
     if !mistakes.is_empty() {
-        return Err(SweepError::Mistakes(Mistakes(mistakes)).into());
+        return Err(SweepError::Mistakes(mistakes.into()).into());
     }
     let source = arguments.scenario.clone().unwrap_or_else(|| "city".to_owned());
     let baseline =
@@ -109,7 +109,7 @@ fn plan_sweep(arguments: &SweepArguments) -> anyhow::Result<(Manifest, Shard)> {
     let pool = pool.context("cannot start the threads")?;
     let (manifest, warnings) = pool.install(|| check::manifest(request))?;
     if !warnings.is_empty() && !arguments.json {
-        eprintln!("{}, in full from `csat check`", super::warnings(warnings.len()));
+        eprintln!("{}, in full from `csat check`", super::counted(warnings.len(), "warning"));
     }
     Ok((manifest, shard))
 }

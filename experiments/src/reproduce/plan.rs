@@ -42,10 +42,10 @@ impl Plan {
     /// # Errors
     /// A `--set` of what the plan varies.
     pub fn request(&self, seeds: Vec<u64>, sets: &[String]) -> Result<Request, Mistakes> {
-        let axes = vec![Axis::parse(self.vary).map_err(|mistake| Mistakes(vec![mistake]))?];
+        let axes = vec![Axis::parse(self.vary).map_err(|mistake| Mistakes::from(vec![mistake]))?];
         let mistakes = clashes(&axes, sets);
         if !mistakes.is_empty() {
-            return Err(Mistakes(mistakes));
+            return Err(mistakes.into());
         }
         let fixed = self.sets.iter().map(|&set| set.to_owned());
         let sets = fixed.chain(sets.iter().cloned()).collect();

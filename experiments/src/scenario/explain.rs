@@ -4,6 +4,7 @@ use super::mistake::{Mistake, did_you_mean};
 use super::read::Unit;
 use super::source::Site;
 use super::tree::{self, Node, Table};
+use super::validate;
 
 /// What deserialising one unit came to.
 #[derive(Debug)]
@@ -12,6 +13,8 @@ pub struct Failure {
     pub message: String,
     /// The key inside the unit that is to blame, when the unit is a table.
     pub culprit: Option<String>,
+    /// Keys that a table of this model must have and does not.
+    pub missing: Vec<String>,
 }
 
 /// The place and the text of the mistake in `unit`.
@@ -36,8 +39,10 @@ pub fn explain(
     if message.starts_with("unknown variant") {
         return unknown_variant(unit, node, &path, named, message);
     }
-    if let Some(key) = message.strip_prefix("missing field ") {
-        let text = format!("`{path}` lacks the key {key}");
+    if !failure.missing.is_empty() {
+        let keys: Vec<String> = failure.missing.iter().map(|key| format!("`{key}`")).collect();
+        let plural = if keys.len() == 1 { "" } else { "s" };
+        let text = format!("`{path}` lacks the key{plural} {}", keys.join(", "));
         return (node.value.clone(), Mistake::new(text));
     }
     let (what, expected) = match message.rsplit_once(", expected ") {
@@ -51,9 +56,10 @@ pub fn explain(
         "sequence" => "a list".to_owned(),
         other => match other.strip_prefix("invalid length ") {
             Some(length) => format!("a list of {length}"),
-            None => other.replace("floating point", "number"),
+            None => plain_value(other),
         },
     };
+    let expected = validate::whole_number(&path).map(str::to_owned).or(expected);
     let mut mistake = Mistake::new(format!("`{path}` cannot be {what}"));
     if let Some(expected) = expected {
         mistake = mistake.expected(expected);
@@ -131,6 +137,15 @@ fn one_of(candidates: &[&str]) -> String {
     match list.as_slice() {
         [only] => only.clone(),
         list => format!("one of {}", list.join(", ")),
+    }
+}
+
+/// A value as it was written: serde says `integer `-1`` and `string "x"`.
+fn plain_value(got: &str) -> String {
+    let bare = ["integer ", "floating point ", "boolean "].iter();
+    match bare.filter_map(|kind| got.strip_prefix(kind)).next() {
+        Some(value) => value.trim_matches('`').to_owned(),
+        None => got.strip_prefix("string ").unwrap_or(got).to_owned(),
     }
 }
 

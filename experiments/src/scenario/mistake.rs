@@ -84,15 +84,30 @@ impl fmt::Display for Mistake {
 
 /// Everything that is wrong with a scenario.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{}", render_all(.0))]
-pub struct Mistakes(pub Vec<Mistake>);
+#[error("{}: nothing was run", self.describe())]
+pub struct Mistakes {
+    /// What has to be put right.
+    pub mistakes: Vec<Mistake>,
+    /// What is allowed but may explain the mistakes, such as buildings that were left out of a map.
+    pub warnings: Vec<Mistake>,
+}
 
-fn render_all(mistakes: &[Mistake]) -> String {
-    let count = mistakes.len();
-    let plural = if count == 1 { "" } else { "s" };
-    let mut text: String = mistakes.iter().map(|m| format!("{m}\n")).collect();
-    text += &format!("{count} mistake{plural}: nothing was run");
-    text
+impl From<Vec<Mistake>> for Mistakes {
+    fn from(mistakes: Vec<Mistake>) -> Self {
+        Self { mistakes, warnings: Vec::new() }
+    }
+}
+
+impl Mistakes {
+    /// Everything in full, and how many mistakes it is.
+    pub fn describe(&self) -> String {
+        let count = self.mistakes.len();
+        let plural = if count == 1 { "" } else { "s" };
+        let mistakes = self.mistakes.iter().map(|m| m.render("error"));
+        let warnings = self.warnings.iter().map(|w| w.render("warning"));
+        let all: String = mistakes.chain(warnings).map(|text| text + "\n").collect();
+        format!("{all}{count} mistake{plural}")
+    }
 }
 
 /// The candidate most like `word`, when one is alike enough to be worth a question.

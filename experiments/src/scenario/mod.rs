@@ -29,11 +29,17 @@ use serde::{Deserialize, Serialize};
 pub use map_file::MapText;
 pub use mistake::{Mistake, Mistakes, did_you_mean};
 use source::{Place, Source, Sources};
+use tree::Node;
+use validate::Issue;
 
 /// A mission, in full.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scenario {
+    /// What the mission is called, so that a run flown again keeps its name; by default the file is
+    /// asked.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub name: String,
     /// What every random stream of the run is derived from.
     pub seed: u64,
     /// `[run]`.
@@ -59,6 +65,7 @@ pub struct Scenario {
 impl Default for Scenario {
     fn default() -> Self {
         Self {
+            name: String::new(),
             seed: 1,
             run: RunConfig::default(),
             map: MapConfig::default(),
@@ -89,10 +96,26 @@ impl Default for RunConfig {
     }
 }
 
-impl Scenario {
+impl RunConfig {
     /// The number of steps; step k is at k·T and the last one not later than the duration.
     pub fn steps(&self) -> u32 {
-        (self.run.duration_s / self.run.period_s + 1e-9).floor() as u32
+        (self.duration_s / self.period_s + 1e-9).floor() as u32
+    }
+}
+
+impl Scenario {
+    /// The number of steps.
+    pub fn steps(&self) -> u32 {
+        self.run.steps()
+    }
+
+    /// Whether it is the mission of the thesis's §5.4 under `str3` with κ = 1, which is the default one,
+    /// whatever the seed and the length.
+    pub fn is_thesis_setting(&self) -> bool {
+        let mut thesis = Self { name: self.name.clone(), seed: self.seed, ..Self::default() };
+        thesis.run.duration_s = self.run.duration_s;
+        thesis.netem.trace = self.netem.trace;
+        *self == thesis
     }
 
     /// X_g.
@@ -138,7 +161,7 @@ pub struct Request<'a> {
 /// A scenario that may run.
 #[derive(Debug)]
 pub struct Loaded {
-    /// The shipped name, or the file's name without its ending.
+    /// The scenario's own name, else the shipped one or that of the file without its ending.
     pub name: String,
     /// The scenario.
     pub scenario: Scenario,
@@ -200,28 +223,50 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
     let mut warnings = Vec::new();
     let mut judged = Vec::new();
     for issue in validate::validate(&scenario) {
-        let written = issue.keys.iter().find_map(|key| tree::exact(&tree, key));
-        let place = written.map(|node| sources.place(&node.value));
+        let mistake = blame(&issue, &sources, &tree);
         if issue.is_warning {
-            warnings.push(issue.mistake.at(place));
+            warnings.push(mistake);
         } else {
-            mistakes.push(issue.mistake.at(place));
+            mistakes.push(mistake);
             judged.extend(issue.keys);
         }
     }
     let world = world::make(&scenario, map.as_ref(), &sources, &tree, &judged, &mut mistakes);
+    let map_warnings = world.as_ref().map_or_else(|map| map.as_slice(), World::warnings);
+    // A shipped map is larger than the region on purpose.
+    let is_shipped = map.as_ref().is_some_and(|map| map.is_shipped);
+    let told = |w: &&MapWarning| !(is_shipped && matches!(w, MapWarning::Outside { .. }));
+    warnings.extend(map_warnings.iter().filter(told).map(|w| Mistake::new(w.to_string())));
     match world {
-        Some(world) if mistakes.is_empty() => {
-            let name = stem(name);
-            // A shipped map is larger than the region on purpose.
-            let is_shipped = map.as_ref().is_some_and(|map| map.is_shipped);
-            let told = |w: &&MapWarning| !(is_shipped && matches!(w, MapWarning::Outside { .. }));
-            let map_warnings = world.warnings().iter().filter(told);
-            warnings.extend(map_warnings.map(|w| Mistake::new(w.to_string())));
+        Ok(world) if mistakes.is_empty() => {
+            if scenario.name.is_empty() {
+                scenario.name = stem(name);
+            }
+            let name = scenario.name.clone();
             Ok(Loaded { name, scenario, map, world, warnings, sources, tree })
         }
-        _ => Err(Mistakes(mistakes)),
+        _ => Err(Mistakes { mistakes, warnings }),
     }
+}
+
+/// Puts an issue where it was made: at the first of its keys on the command line, else the first in a
+/// file. If that is not the key that the issue is told of, it is named as well: whoever sets one value
+/// is not to be told only of another one that no longer fits.
+fn blame(issue: &Issue, sources: &Sources, tree: &tree::Table) -> Mistake {
+    let written = || {
+        let nodes = issue.keys.iter().map(|key| (key, tree::exact(tree, key)));
+        nodes.filter_map(|(key, node)| Some((key, node?)))
+    };
+    let is_argument = |(_, node): &(_, &Node)| !sources.get(node.value.source).is_file;
+    let mut mistake = issue.mistake.clone();
+    let Some((key, node)) = written().find(is_argument).or_else(|| written().next()) else {
+        return mistake;
+    };
+    let told = &issue.keys[0];
+    if !told.starts_with(key.as_str()) {
+        mistake.message = format!("with this `{key}`, {}", mistake.message);
+    }
+    mistake.at(Some(sources.place(&node.value)))
 }
 
 /// Finds the text of a scenario.
@@ -268,5 +313,7 @@ fn quoted_list(names: impl Iterator<Item = &'static str>) -> String {
     names.map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ")
 }
 
+#[cfg(test)]
+mod reference_tests;
 #[cfg(test)]
 mod tests;

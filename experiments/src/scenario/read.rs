@@ -53,6 +53,15 @@ fn judge(defaults: &toml::Table, unit: &Unit<'_>) -> Vec<Failure> {
     let mut failures = Vec::new();
     let mut value = unit.value.clone();
     while let Some(failure) = attempt(defaults, unit, &value) {
+        if let Some(key) = missing(&failure) {
+            // A key with a mistake was taken out: the table does not lack it.
+            let is_judged = failures.iter().any(|f: &Failure| f.culprit.as_ref() == Some(&key));
+            if !is_judged {
+                let missing = all_missing(defaults, unit, &value, key);
+                failures.push(Failure { missing, ..failure });
+            }
+            break;
+        }
         // In a table that is judged as a whole, the key to blame is the one without which this
         // error is gone. Taken out, it lets the next error show.
         let without = |key: &str| {
@@ -68,14 +77,6 @@ fn judge(defaults: &toml::Table, unit: &Unit<'_>) -> Vec<Failure> {
                 changed.then(|| (key.clone(), rest))
             })
         });
-        let lacks_removed = failures.iter().any(|f: &Failure| {
-            f.culprit
-                .as_ref()
-                .is_some_and(|key| failure.message == format!("missing field `{key}`"))
-        });
-        if lacks_removed {
-            break;
-        }
         match culprit {
             Some((key, rest)) => {
                 failures.push(Failure { culprit: Some(key), ..failure });
@@ -88,6 +89,41 @@ fn judge(defaults: &toml::Table, unit: &Unit<'_>) -> Vec<Failure> {
         }
     }
     failures
+}
+
+/// The key that serde misses.
+fn missing(failure: &Failure) -> Option<String> {
+    failure.message.strip_prefix("missing field `")?.strip_suffix('`').map(str::to_owned)
+}
+
+/// Every key that a table lacks: serde names the first one only, so that is given whatever value lets
+/// serde get further.
+fn all_missing(
+    defaults: &toml::Table,
+    unit: &Unit<'_>,
+    value: &toml::Value,
+    first: String,
+) -> Vec<String> {
+    let mut value = value.clone();
+    let mut all = vec![first];
+    while let Some(key) = all.last() {
+        let stand_ins =
+            [toml::Value::Float(0.0), toml::Value::Integer(0), toml::Value::Array(Vec::new())];
+        let next = stand_ins.into_iter().find_map(|stand_in| {
+            let mut filled = value.clone();
+            entries(&mut filled)?.insert(key.clone(), stand_in);
+            let next = missing(&attempt(defaults, unit, &filled)?)?;
+            Some((filled, next))
+        });
+        match next {
+            Some((filled, next)) if !all.contains(&next) => {
+                value = filled;
+                all.push(next);
+            }
+            _ => break,
+        }
+    }
+    all
 }
 
 /// The table of a unit that is one.
@@ -103,7 +139,8 @@ fn attempt(defaults: &toml::Table, unit: &Unit<'_>, value: &toml::Value) -> Opti
     let mut candidate = defaults.clone();
     apply(&mut candidate, &unit.path, value.clone(), unit.replaces);
     let error = Scenario::deserialize(toml::Value::Table(candidate)).err()?;
-    Some(Failure { message: error.message().to_owned(), culprit: None })
+    let message = error.message().to_owned();
+    Some(Failure { message, culprit: None, missing: Vec::new() })
 }
 
 /// The default scenario as plain TOML.

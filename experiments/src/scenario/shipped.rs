@@ -43,6 +43,16 @@ pub fn scenario_names() -> impl Iterator<Item = &'static str> {
     SCENARIOS.into_iter().map(|s| s.name)
 }
 
+/// What the command line says of its argument for a scenario.
+pub fn scenario_help() -> String {
+    let names: Vec<&str> = scenario_names().collect();
+    format!(
+        "A shipped scenario ({}) or a TOML file [default: {}]",
+        names.join(", "),
+        SCENARIOS[0].name
+    )
+}
+
 /// The names of all shipped maps.
 pub fn map_names() -> impl Iterator<Item = &'static str> {
     MAPS.into_iter().map(|(name, _)| name)

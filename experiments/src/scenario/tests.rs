@@ -13,15 +13,15 @@ fn mistakes_of(text: &str, sets: &[&str]) -> Vec<String> {
     let folder = scratch("scenario");
     let path = folder.join("my.toml");
     std::fs::write(&path, text).unwrap();
-    let mistakes = load_with(&path.to_string_lossy(), sets).unwrap_err().0;
+    let mistakes = load_with(&path.to_string_lossy(), sets).unwrap_err().mistakes;
     let prefix = format!("{}/", folder.display());
     mistakes.iter().map(|m| m.to_string().replace(&prefix, "")).collect()
 }
 
 /// The only mistake of `--set` arguments on the city.
 fn set_mistake(sets: &[&str]) -> String {
-    let mistakes = load_with("city", sets).unwrap_err().0;
-    assert_eq!(mistakes.len(), 1, "{}", Mistakes(mistakes));
+    let mistakes = load_with("city", sets).unwrap_err().mistakes;
+    assert_eq!(mistakes.len(), 1, "{}", Mistakes::from(mistakes));
     mistakes[0].to_string()
 }
 
@@ -45,7 +45,21 @@ fn shipped_scenarios_load_and_survive_being_written_down() {
 #[test]
 fn the_city_is_the_default_scenario() {
     let loaded = load(Request::default()).unwrap();
-    assert_eq!((loaded.name.as_str(), loaded.scenario), ("city", Scenario::default()));
+    assert_eq!(
+        (loaded.name.as_str(), loaded.scenario),
+        ("city", Scenario { name: "city".into(), ..Scenario::default() })
+    );
+}
+
+#[test]
+fn only_the_default_mission_is_set_beside_the_thesis() {
+    let is =
+        |scenario, sets: &[&str]| load_with(scenario, sets).unwrap().scenario.is_thesis_setting();
+    assert!(is("city", &["seed=9", "run.duration_s=400", "netem.trace=none"]));
+    for set in ["guidance.criterion=circles", "agents.count=5", "netem.radio.range_m=100"] {
+        assert!(!is("city", &[set]), "{set}");
+    }
+    assert!(!is("helsinki-05", &[]));
 }
 
 #[test]
@@ -105,8 +119,8 @@ fn three_mistakes_are_three_messages_with_their_lines() {
              `d_max_m`, `depth_noise`, `min_pixels`, `box_error_px`, `assumption`\n  = did you \
              mean `columns`?\n"
                 .replace(" --> ", "  --> "),
-            "error: `camera.rows` cannot be string \"many\"\n  --> my.toml:5:8\n  |\n5 | rows = \
-             \"many\"\n  |        ^^^^^^\n  = expected a whole number from 0 to 65535\n"
+            "error: `camera.rows` cannot be \"many\"\n  --> my.toml:5:8\n  |\n5 | rows = \
+             \"many\"\n  |        ^^^^^^\n  = expected a whole number from 1 to 65535\n"
                 .to_owned(),
             "error: `agents.count` cannot be 0\n  --> my.toml:8:9\n  |\n8 | count = 0\n  |         \
              ^\n  = expected a whole number from 1 to 1024\n"
@@ -130,12 +144,12 @@ fn every_kind_of_wrong_value_is_explained() {
             "error: unknown key `cuont` in [agents]",
             "error: unknown key `camra` in a scenario",
             "error: `guidance.criterion` cannot be `str9`",
-            "error: `guidance.increments_deg` cannot be integer `4`",
+            "error: `guidance.increments_deg` cannot be 4",
             "error: `guidance.lambda` cannot be a list",
-            "error: `guidance.n_mpc` cannot be integer `-1`",
-            "error: `map` cannot be integer `5`",
-            "error: `netem.radio.delay.mean_s` cannot be string \"x\"",
-            "error: `netem.radio.loss.p` cannot be boolean `true`",
+            "error: `guidance.n_mpc` cannot be -1",
+            "error: `map` cannot be 5",
+            "error: `netem.radio.delay.mean_s` cannot be \"x\"",
+            "error: `netem.radio.loss.p` cannot be true",
             "error: unknown key `q` in [netem.radio.loss]",
             "error: `targets.body_m` cannot be a list of 2",
         ]
@@ -208,7 +222,10 @@ fn impossible_values_are_explained() {
         ("guidance.plan_timeout_s=0.5", "0.5", "0 or more and below run.period_s = 0.5 s"),
         ("guidance.increments_deg=[]", "empty", "1 to 32 angles from -180 to 180 degrees"),
         ("exchange.snapshot_period_s=0.1", "0.1", "at least run.period_s = 0.5 s"),
-        ("exchange.max_vertices=3", "3", "4 or more"),
+        ("exchange.max_vertices=3", "3", "a whole number, 4 or more"),
+        ("agents.count=-1", "-1", "a whole number from 1 to 1024"),
+        ("agents.count=2.5", "2.5", "a whole number from 1 to 1024"),
+        ("agents.count=70000", "70000", "a whole number from 1 to 1024"),
         ("exchange.repair_period_s=0", "0", "at least run.period_s = 0.5 s"),
         ("exchange.repair_delay_s=-1", "-1", "0 or a number above it"),
         ("exchange.budget_bytes_s=0", "0", "at least 50 bytes per second, or inf for no limit"),
@@ -242,7 +259,7 @@ fn mistakes_in_links_are_shown_where_they_are() {
     let text = "[netem]\npartition = [{ groups = [[0, 1], [2, 9]] }]\n[[netem.outage]]\nagent = \
                 0\nfrom_s = 5\n[[netem.outage]]\nagent = 1\nfrom_s = 5\nuntil_s = 4\n\
                 [netem.far]\nloss = { model = 'gilbert-elliott', p = 0.1, r = 7 }\n\
-                [netem.far.rate]\nbytes_s = -1\n";
+                [netem.far.rate]\nbytes_s = -1\n[exchange.channels]\nplans = 'far'\n";
     let mistakes = mistakes_of(text, &[]);
     let expected = [
         ("netem.far.rate.bytes_s`: expected a rate above 0", "my.toml:13:11", "-1"),
@@ -277,16 +294,17 @@ fn traces_are_read_beside_the_scenario_and_kept_in_it() {
     std::fs::create_dir(folder.join("traces")).unwrap();
     let trace = folder.join("traces/yard.txt");
     let path = folder.join("my.toml");
-    let text = "[netem.far]\nloss = { model = 'trace', file = 'traces/yard.txt' }\n";
+    let text = "[netem.far]\nloss = { model = 'trace', file = 'traces/yard.txt' }\n\
+                [exchange]\nchannels.plans = 'far'\n";
     std::fs::write(&path, text).unwrap();
     let load = || load_with(&path.to_string_lossy(), &[]);
     let refused = |text: &str| {
         std::fs::write(&trace, text).unwrap();
-        let mistakes = load().unwrap_err().0;
+        let mistakes = load().unwrap_err().mistakes;
         assert_eq!(mistakes.len(), 1, "{mistakes:?}");
         mistakes[0].to_string().replace(&format!("{}/", folder.display()), "")
     };
-    let missing = load().unwrap_err().0;
+    let missing = load().unwrap_err().mistakes;
     assert_eq!(missing.len(), 1, "{missing:?}");
     let missing = missing[0].to_string();
     assert!(missing.starts_with("error: cannot read the trace `"), "{missing}");
@@ -321,7 +339,7 @@ fn later_values_win_and_are_blamed() {
 
 #[test]
 fn what_cannot_be_found_is_named() {
-    let message = load_with("hellsinki-05", &[]).unwrap_err().0[0].to_string();
+    let message = load_with("hellsinki-05", &[]).unwrap_err().mistakes[0].to_string();
     assert_eq!(
         message,
         "error: there is no scenario `hellsinki-05`\n  = expected a TOML file or one of `city`, \
@@ -329,7 +347,7 @@ fn what_cannot_be_found_is_named() {
          `helsinki-17`\n  = did you mean `helsinki-05`?\n"
     );
     let folder = scratch("folder");
-    let message = load_with(&folder.to_string_lossy(), &[]).unwrap_err().0[0].to_string();
+    let message = load_with(&folder.to_string_lossy(), &[]).unwrap_err().mistakes[0].to_string();
     assert!(message.starts_with("error: cannot read the scenario `"), "{message}");
     let message = set_mistake(&["map.kind=geojson", "map.file=no.geojson"]);
     assert!(message.starts_with("error: there is no map `no.geojson`\n --> --set\n"), "{message}");
@@ -343,7 +361,7 @@ fn a_broken_map_is_the_mistake_of_whoever_named_it() {
     std::fs::write(folder.join("broken.geojson"), "{ \"type\": ").unwrap();
     let path = folder.join("my.toml");
     std::fs::write(&path, "[map]\nkind = 'geojson'\nfile = 'broken.geojson'\n").unwrap();
-    let mistakes = load_with(&path.to_string_lossy(), &["agents.count=0"]).unwrap_err().0;
+    let mistakes = load_with(&path.to_string_lossy(), &["agents.count=0"]).unwrap_err().mistakes;
     let text: Vec<String> = mistakes.iter().map(ToString::to_string).collect();
     assert_eq!(text.len(), 2, "{text:?}");
     assert!(text[1].starts_with("error: broken.geojson: not JSON: "), "{}", text[1]);
@@ -376,4 +394,86 @@ fn a_coarse_camera_is_a_warning_and_a_useless_one_a_mistake() {
         ),
         "{message}"
     );
+}
+
+/// A name mistyped is a radio of its own, which nobody uses.
+#[test]
+fn a_radio_that_carries_nothing_is_a_mistake() {
+    assert_eq!(
+        set_mistake(&["netem.radoi.range_m=10"]),
+        "error: radio `radoi` carries nothing: no entry of exchange.channels names it\n --> --set\n \
+         |\n | netem.radoi.range_m=10\n |       ^^^^^\n = expected `radio`, or \
+         exchange.channels.facts, snapshots or plans = \"radoi\"\n = did you mean `radio`?\n"
+    );
+    let used = ["netem.far.range_m=10", "exchange.channels.snapshots=far"];
+    assert!(load_with("city", &used).is_ok());
+}
+
+/// A value that was right until another one was set is told with that other one.
+#[test]
+fn the_key_that_was_set_is_blamed() {
+    let message = set_mistake(&["camera.d_max_m=30"]);
+    let start = "error: with this `camera.d_max_m`, `camera.tilt_deg` cannot be 30 (";
+    assert!(message.starts_with(start), "{message}");
+    assert!(message.contains(" | camera.d_max_m=30\n"), "{message}");
+    let message = set_mistake(&["run.period_s=0.3"]);
+    let start = "error: with this `run.period_s`, `guidance.plan_timeout_s` cannot be 0.4\n";
+    assert!(message.starts_with(start), "{message}");
+}
+
+#[test]
+fn all_keys_that_a_model_lacks_are_named_at_once() {
+    let message = set_mistake(&["netem.radio.loss={model='markov4',p14=0.5}"]);
+    let start = "error: `netem.radio.loss` lacks the keys `p13`, `p31`\n";
+    assert!(message.starts_with(start), "{message}");
+    let message = set_mistake(&["netem.radio.delay={model='table'}"]);
+    assert!(message.starts_with("error: `netem.radio.delay` lacks the key `quantiles_s`\n"));
+    let message = set_mistake(&["netem.partition=[{one_way=true}]"]);
+    assert!(message.contains("lacks the key"), "{message}");
+}
+
+#[test]
+fn a_duration_that_is_cut_is_a_warning() {
+    let loaded = load_with("city", &["run.duration_s=10.3"]).unwrap();
+    assert_eq!(
+        loaded.warnings[0].render("warning"),
+        "warning: `run.duration_s` = 10.3 s is no multiple of run.period_s = 0.5 s\n --> --set\n \
+         |\n | run.duration_s=10.3\n |                ^^^^\n = the mission ends with its last \
+         frame, at 10 s\n"
+    );
+    assert!(
+        load_with("city", &["run.duration_s=0.3", "run.period_s=0.1", "guidance.plan_timeout_s=0"])
+            .unwrap()
+            .warnings
+            .is_empty()
+    );
+}
+
+/// A map that lost its buildings or roads may be why there is no room.
+#[test]
+fn warnings_of_the_map_are_told_with_its_mistakes() {
+    let folder = scratch("point");
+    let feature = "{ \"type\": \"Feature\", \"properties\": { \"building\": \"yes\" }, \
+                   \"geometry\": { \"type\": \"Point\", \"coordinates\": [24.9, 60.2] } }";
+    let map = format!("{{ \"type\": \"FeatureCollection\", \"features\": [{feature}] }}");
+    std::fs::write(folder.join("point.geojson"), map).unwrap();
+    let path = folder.join("my.toml");
+    std::fs::write(&path, "[map]\nfile = 'point.geojson'\n").unwrap();
+    let wrong = load_with(&path.to_string_lossy(), &[]).unwrap_err();
+    assert_eq!((wrong.mistakes.len(), wrong.warnings.len()), (1, 2), "{wrong}");
+    let text = wrong.to_string();
+    assert!(text.contains("0 of 8 cars found room"), "{text}");
+    assert!(text.contains("\nwarning: ") && text.contains("Point"), "{text}");
+    assert!(text.ends_with("\n1 mistake: nothing was run"), "{text}");
+}
+
+/// The name is a part of a folder's name, and stays when a run is flown again.
+#[test]
+fn a_scenario_keeps_its_name() {
+    let folder = scratch("name");
+    let path = folder.join("scenario.resolved.toml");
+    let first = load_with("city-slow", &[]).unwrap();
+    std::fs::write(&path, first.scenario.to_toml()).unwrap();
+    assert_eq!(load_with(&path.to_string_lossy(), &[]).unwrap().name, "city-slow");
+    assert!(set_mistake(&["name=../up"]).starts_with("error: `name` cannot be `../up`\n"));
 }

@@ -4,6 +4,8 @@
 
 mod exchange;
 
+use std::ops::RangeInclusive;
+
 use csat_agent::config::{EstimatorConfig, GuidanceConfig};
 use csat_proto::camera::CameraModel;
 use csat_proto::model::{FleetModel, TargetsModel};
@@ -12,6 +14,7 @@ use csat_world::map::{MapKind, SIZES_M};
 use super::camera_check::car_coverage;
 use super::mistake::Mistake;
 use super::{RunConfig, Scenario};
+use crate::show::documents::micro;
 
 /// A value that cannot be.
 #[derive(Debug, Clone)]
@@ -24,10 +27,8 @@ pub struct Issue {
     pub is_warning: bool,
 }
 
-/// The largest fleet and the most targets.
+/// The largest fleet.
 const MAX_COUNT: u16 = 1024;
-/// The longest horizon of `str4`, blocks.
-const MAX_STR4_BLOCKS: u8 = 32;
 /// The most sequences of increments that `str1` to `str3` try in a decision.
 const MAX_SEQUENCES: usize = 1_000_000;
 /// The most cells of a raster.
@@ -35,9 +36,31 @@ const MAX_CELLS: f64 = 16_777_216.0;
 /// The most pixels of an image.
 const MAX_PIXELS: usize = 16_777_216;
 
+/// The keys of whole numbers with what they may be: said in the same words to whoever writes 0, -1, 1.5
+/// and a million.
+const WHOLE_NUMBERS: [(&str, RangeInclusive<u64>, &str); 9] = [
+    ("agents.count", 1..=1024, "a whole number from 1 to 1024"),
+    ("targets.count", 1..=1024, "a whole number from 1 to 1024"),
+    ("camera.columns", 1..=65535, "a whole number from 1 to 65535"),
+    ("camera.rows", 1..=65535, "a whole number from 1 to 65535"),
+    ("camera.min_pixels", 1..=u64::MAX, "a whole number above 0"),
+    ("guidance.n_mpc", 1..=6, "a whole number from 1 to 6"),
+    ("guidance.str4.n_mpc", 1..=32, "a whole number from 1 to 32"),
+    ("guidance.str4.beam", 1..=1024, "a whole number from 1 to 1024"),
+    ("exchange.max_vertices", 4..=u64::MAX, "a whole number, 4 or more"),
+];
+
+/// What is expected of a key whose value is a whole number within limits.
+pub fn whole_number(key: &str) -> Option<&'static str> {
+    WHOLE_NUMBERS.iter().find(|(k, ..)| *k == key).map(|(.., expected)| *expected)
+}
+
 /// All issues of a scenario.
 pub fn validate(scenario: &Scenario) -> Vec<Issue> {
     let mut check = Check(Vec::new());
+    let name = &scenario.name;
+    let is_plain = !name.contains(['/', '\\', '\0']) && !name.starts_with('.');
+    check.that(is_plain, &["name"], &format!("`{name}`"), "a name that a folder can have");
     let period_s = run(&mut check, &scenario.run);
     let [east, north] = scenario.map.size_m;
     let size_ok = [east, north].iter().all(|side| SIZES_M.contains(side));
@@ -90,9 +113,12 @@ impl Check {
         self.that(holds, &[key], &value.to_string(), "0 or a number above it");
     }
 
-    fn count(&mut self, key: &'static str, value: u16) {
-        let holds = (1..=MAX_COUNT).contains(&value);
-        self.that(holds, &[key], &value.to_string(), "a whole number from 1 to 1024");
+    /// Demands a value of [`WHOLE_NUMBERS`].
+    fn whole(&mut self, key: &'static str, value: impl Into<u64>) {
+        let (value, expected) = (value.into(), whole_number(key).unwrap_or("a whole number"));
+        let range = WHOLE_NUMBERS.iter().find(|(k, ..)| *k == key).map(|(_, range, _)| range);
+        let holds = range.is_none_or(|range| range.contains(&value));
+        self.that(holds, &[key], &value.to_string(), expected);
     }
 
     fn warn(&mut self, keys: &[&'static str], mistake: Mistake) {
@@ -107,11 +133,20 @@ fn run(check: &mut Check, run: &RunConfig) -> Option<f64> {
     let holds = run.duration_s >= run.period_s && run.duration_s <= 1e6;
     let expected = format!("at least one period, {} s, and at most 1000000 s", run.period_s);
     check.that(holds, &["run.duration_s"], &run.duration_s.to_string(), &expected);
+    let flown_s = run.period_s * f64::from(run.steps());
+    if holds && (run.duration_s - flown_s).abs() > 1e-6 {
+        let text = format!(
+            "`run.duration_s` = {} s is no multiple of run.period_s = {} s",
+            run.duration_s, run.period_s
+        );
+        let help = format!("the mission ends with its last frame, at {} s", micro(flown_s));
+        check.warn(&["run.duration_s", "run.period_s"], Mistake::new(text).help(help));
+    }
     (run.period_s > 0.0).then_some(run.period_s)
 }
 
 fn targets(check: &mut Check, targets: &TargetsModel) {
-    check.count("targets.count", targets.count);
+    check.whole("targets.count", targets.count);
     let v_max = targets.v_max_m_s;
     let holds = (0.0..=100.0).contains(&v_max);
     check.that(holds, &["targets.v_max_m_s"], &v_max.to_string(), "a speed from 0 to 100 m/s");
@@ -146,7 +181,7 @@ fn targets(check: &mut Check, targets: &TargetsModel) {
 
 fn fleet(check: &mut Check, scenario: &Scenario) {
     let fleet = &scenario.agents;
-    check.count("agents.count", fleet.count);
+    check.whole("agents.count", fleet.count);
     let speed = fleet.speed_m_s;
     let holds = speed > 0.0 && speed <= 300.0;
     check.that(holds, &["agents.speed_m_s"], &speed.to_string(), "above 0 and up to 300 m/s");
@@ -185,8 +220,8 @@ fn camera(check: &mut Check, scenario: &Scenario) {
     let camera = &scenario.camera;
     let before = check.0.len();
     let image = format!("{} x {}", camera.columns, camera.rows);
-    check.that(camera.columns > 0, &["camera.columns"], "0", "a whole number from 1 to 65535");
-    check.that(camera.rows > 0, &["camera.rows"], "0", "a whole number from 1 to 65535");
+    check.whole("camera.columns", camera.columns);
+    check.whole("camera.rows", camera.rows);
     let keys = ["camera.columns", "camera.rows"];
     let expected = format!("an image of at most {MAX_PIXELS} pixels");
     check.that(camera.pixels() <= MAX_PIXELS, &keys, &image, &expected);
@@ -198,7 +233,7 @@ fn camera(check: &mut Check, scenario: &Scenario) {
     let expected = "an angle below the horizon, up to 90 degrees";
     check.that(tilt_ok, &["camera.tilt_deg"], &camera.tilt_deg.to_string(), expected);
     check.positive("camera.d_max_m", camera.d_max_m);
-    check.that(camera.min_pixels > 0, &["camera.min_pixels"], "0", "a whole number above 0");
+    check.whole("camera.min_pixels", camera.min_pixels);
     let [lo, hi] = camera.depth_noise;
     check.that(
         lo > -1.0 && lo <= 0.0 && hi >= 0.0 && hi.is_finite(),
@@ -280,9 +315,7 @@ fn estimator(check: &mut Check, estimator: &EstimatorConfig, size_m: [f64; 2]) {
 fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>) {
     check.not_negative("guidance.kappa", guidance.kappa);
     check.not_negative("guidance.lambda", guidance.lambda);
-    let n_mpc = guidance.n_mpc;
-    let holds = (1..=6).contains(&n_mpc);
-    check.that(holds, &["guidance.n_mpc"], &n_mpc.to_string(), "a whole number from 1 to 6");
+    check.whole("guidance.n_mpc", guidance.n_mpc);
     if let Some(period_s) = period_s {
         let periods = guidance.period_s / period_s;
         check.that(
@@ -299,12 +332,8 @@ fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>)
             &format!("0 or more and below run.period_s = {period_s} s"),
         );
     }
-    let holds = (1..=MAX_STR4_BLOCKS).contains(&guidance.str4.n_mpc);
-    let got = guidance.str4.n_mpc.to_string();
-    check.that(holds, &["guidance.str4.n_mpc"], &got, "a whole number from 1 to 32");
-    let holds = (1..=MAX_COUNT).contains(&guidance.str4.beam);
-    let got = guidance.str4.beam.to_string();
-    check.that(holds, &["guidance.str4.beam"], &got, "a whole number from 1 to 1024");
+    check.whole("guidance.str4.n_mpc", guidance.str4.n_mpc);
+    check.whole("guidance.str4.beam", guidance.str4.beam);
     let increments = &guidance.increments_deg;
     let valid = increments.iter().all(|u| u.abs() <= 180.0);
     let got = if increments.is_empty() { "empty".to_owned() } else { format!("{increments:?}") };

@@ -1,6 +1,6 @@
 //! The world of a scenario, and its mistakes as ours: a town, its roads, and room for the cars.
 
-use csat_world::map::MapError;
+use csat_world::map::{MapError, MapWarning};
 use csat_world::world::{World, WorldError};
 
 use super::map_file::MapText;
@@ -8,8 +8,8 @@ use super::mistake::Mistake;
 use super::source::Sources;
 use super::{Scenario, tree};
 
-/// Makes the world at step 0, or adds what prevents it to `mistakes`. Keys in `judged` have been
-/// judged already.
+/// Makes the world at step 0, or adds what prevents it to `mistakes` and gives the warnings of its map.
+/// Keys in `judged` have been judged already.
 pub fn make(
     scenario: &Scenario,
     text: Option<&MapText>,
@@ -17,10 +17,10 @@ pub fn make(
     tree: &tree::Table,
     judged: &[String],
     mistakes: &mut Vec<Mistake>,
-) -> Option<World> {
+) -> Result<World, Vec<MapWarning>> {
     // A map that was not found is reported already, and without it there is no room to judge.
     if scenario.map.file.is_some() && text.is_none() {
-        return None;
+        return Err(Vec::new());
     }
     let config = scenario.world_config();
     let result = match text {
@@ -28,17 +28,17 @@ pub fn make(
         None => World::new(&config, scenario.seed),
     };
     let errors = match result {
-        Ok(world) => return Some(world),
-        Err(errors) => errors.0,
+        Ok(world) => return Ok(world),
+        Err(errors) => errors,
     };
-    for error in errors {
+    for error in errors.errors {
         let (key, mistake) = explain(error, text);
         if !judged.iter().any(|k| k == key) {
             let place = tree::deepest(tree, key).map(|node| sources.place(&node.value));
             mistakes.push(mistake.at(place));
         }
     }
-    None
+    Err(errors.map_warnings)
 }
 
 /// The key to blame and what to say.

@@ -69,6 +69,8 @@ fn probe(loaded: Loaded) -> Probe {
     let mut scenario = loaded.scenario;
     let scenario_toml = scenario.to_toml();
     scenario.seed = 0;
+    // A name makes no other mission.
+    scenario.name.clear();
     let map = loaded.map.map(|map| map.text).unwrap_or_default();
     Probe {
         name: loaded.name,
@@ -101,7 +103,7 @@ pub fn check(
     let mut checked = Checked::default();
     for (run, result) in runs.iter().zip(probes) {
         match result {
-            Err(Mistakes(mistakes)) => found.add(mistakes, run),
+            Err(found_mistakes) => found.add(found_mistakes.mistakes, run),
             Ok(probe) => {
                 for warning in probe.warnings {
                     if !checked.warnings.contains(&warning) {
@@ -178,7 +180,7 @@ impl Found {
             mistakes.push(mistake);
         }
         mistakes.extend(self.others);
-        if mistakes.is_empty() { Ok(()) } else { Err(Mistakes(mistakes).into()) }
+        if mistakes.is_empty() { Ok(()) } else { Err(Mistakes::from(mistakes).into()) }
     }
 }
 

@@ -183,7 +183,7 @@ fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
     );
     match config.kind {
         MapKind::GeoJson => {
-            let got = "no file with kind = \"geojson\"".into();
+            let got = "left out with kind = \"geojson\"".into();
             expect(config.file.is_some(), "map.file", got, "a GeoJSON file".into());
         }
         MapKind::Generated => {

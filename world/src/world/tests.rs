@@ -63,7 +63,7 @@ fn a_town_from_elsewhere_makes_the_same_world() {
     assert_eq!((given.map(), given.targets()), (usual.map(), usual.targets()));
     let wrong = WorldConfig { period_s: 0.0, ..config };
     let errors = World::from_map(&wrong, usual.map().clone(), 3).unwrap_err();
-    assert_eq!(errors.0.len(), 1, "{errors}");
+    assert_eq!(errors.errors.len(), 1, "{errors}");
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn the_mistakes_of_a_text_and_of_the_rest_are_reported_at_once() {
     config.map.kind = map::MapKind::GeoJson;
     config.map.file = Some("named, not read".into());
     let errors = World::from_geojson(&config, "[", 1).unwrap_err();
-    let all = &errors.0[..];
+    let all = &errors.errors[..];
     assert!(
         matches!(all, [WorldError::Config { .. }, WorldError::Map(MapError::NotJson { .. })]),
         "{errors}"
@@ -85,5 +85,5 @@ fn no_room_is_an_error_that_says_what_to_change() {
     config.map.size_m = [60.0, 60.0];
     config.targets.count = 500;
     let errors = World::new(&config, 1).unwrap_err();
-    assert!(matches!(errors.0[..], [WorldError::Placement(_)]), "{errors}");
+    assert!(matches!(errors.errors[..], [WorldError::Placement(_)]), "{errors}");
 }

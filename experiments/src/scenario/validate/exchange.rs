@@ -1,9 +1,10 @@
 //! `[exchange]`.
 
-use csat_agent::config::ExchangeConfig;
-use csat_netem::config::NetemConfig;
+use csat_agent::config::{ChannelNames, ExchangeConfig};
+use csat_netem::config::{NetemConfig, RADIO};
 
-use super::Check;
+use super::super::mistake::{Mistake, did_you_mean};
+use super::{Check, Issue};
 
 /// The least a budget may be, bytes per second: below, not even flight plans fit.
 const LEAST_BUDGET_BYTES_S: f64 = 50.0;
@@ -37,9 +38,7 @@ pub(super) fn judge(
     );
     check.positive("exchange.max_age_s", exchange.max_age_s);
     check.not_negative("exchange.clock_skew_s", exchange.clock_skew_s);
-    let vertices = exchange.max_vertices;
-    let holds = vertices >= 4;
-    check.that(holds, &["exchange.max_vertices"], &vertices.to_string(), "4 or more");
+    check.whole("exchange.max_vertices", exchange.max_vertices);
     let names: Vec<String> = netem.channel_names().map(|name| format!("`{name}`")).collect();
     let expected = format!("a radio of [netem]: {}", names.join(", "));
     for (key, name) in [
@@ -49,5 +48,25 @@ pub(super) fn judge(
     ] {
         let got = format!("`{name}`");
         check.that(netem.channel_id(name).is_some(), &[key], &got, &expected);
+    }
+    let ChannelNames { facts, snapshots, plans } = &exchange.channels;
+    idle_radios(check, netem, &[facts, snapshots, plans]);
+}
+
+/// A radio that nobody names in `used` is a name mistyped: the radio that was meant keeps its
+/// defaults, and a mission over other links than asked for would be flown without a word.
+fn idle_radios(check: &mut Check, netem: &NetemConfig, used: &[&str]) {
+    for name in netem.channels.keys().filter(|name| !used.contains(&name.as_str())) {
+        let text =
+            format!("radio `{name}` carries nothing: no entry of exchange.channels names it");
+        let mut mistake = Mistake::new(text).expected(format!(
+            "`{RADIO}`, or exchange.channels.facts, snapshots or plans = \"{name}\""
+        ));
+        if let Some(guess) = did_you_mean(name, netem.channel_names().filter(|other| other != name))
+        {
+            mistake = mistake.help(guess);
+        }
+        let keys = vec![format!("netem.{name}")];
+        check.0.push(Issue { keys, mistake, is_warning: false });
     }
 }

@@ -1,0 +1,119 @@
+//! docs/scenario.md names the keys that there are, with the defaults that they have.
+
+use std::collections::BTreeSet;
+
+use super::read::default_table;
+use super::*;
+
+/// A table of the document.
+struct Section {
+    /// `[run]`, `[[netem.outage]]`, `loss = { model = "iid" }`.
+    heading: String,
+    /// Key and default.
+    keys: Vec<(String, String)>,
+}
+
+fn sections() -> Vec<Section> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/scenario.md");
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut sections: Vec<Section> = Vec::new();
+    for line in text.lines() {
+        if let Some(heading) = line.strip_prefix("## ") {
+            let heading = heading.trim_matches('`').to_owned();
+            sections.push(Section { heading, keys: Vec::new() });
+        }
+        let cells: Vec<&str> =
+            line.split(" | ").map(|cell| cell.trim_matches(['|', ' '])).collect();
+        if let [key, default, _] = cells[..]
+            && key.starts_with('`')
+            && let Some(section) = sections.last_mut()
+        {
+            let bare = |cell: &str| cell.trim_matches('`').to_owned();
+            section.keys.push((bare(key), bare(default)));
+        }
+    }
+    sections
+}
+
+/// A scenario in which the section has a key that nobody knows.
+fn with_stranger(heading: &str) -> String {
+    match heading {
+        "Top level" => "stranger = 1".to_owned(),
+        tagged if tagged.contains("model") => {
+            format!("netem.radio.{}", tagged.replace(" }", ", stranger = 1 }"))
+        }
+        table => format!("{table}\nstranger = 1"),
+    }
+}
+
+/// The keys that the program knows there: what it expected instead of the stranger.
+fn known(heading: &str) -> BTreeSet<String> {
+    let error = toml::from_str::<Scenario>(&with_stranger(heading)).unwrap_err();
+    let (first, expected) = error.message().split_once(", expected ").unwrap();
+    assert!(first.contains("`stranger`"), "{heading}: {error}");
+    expected.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+#[test]
+fn every_key_is_documented_and_every_documented_key_is_there() {
+    let tables: BTreeSet<&str> =
+        ["run", "map", "targets", "agents", "camera", "estimator", "guidance", "exchange", "netem"]
+            .into();
+    for Section { heading, keys } in sections() {
+        let mut documented: BTreeSet<String> = keys.into_iter().map(|(key, _)| key).collect();
+        // Tables inside a table have sections of their own.
+        match heading.as_str() {
+            "Top level" => documented.extend(tables.iter().map(|table| (*table).to_owned())),
+            "[guidance]" => documented.extend(["str4".to_owned()]),
+            "[exchange]" => documented.extend(["channels".to_owned()]),
+            // Any other name is a radio.
+            "[netem]" => {
+                assert_eq!(documented, ["trace".to_owned()].into());
+                continue;
+            }
+            _ => {}
+        }
+        assert_eq!(documented, known(&heading), "{heading}");
+    }
+}
+
+/// Every model of losses and delays has a section.
+#[test]
+fn every_model_is_documented() {
+    let sections = sections();
+    for key in ["loss", "delay"] {
+        let wrong = format!("netem.radio.{key} = {{ model = \"stranger\" }}");
+        let error = toml::from_str::<Scenario>(&wrong).unwrap_err();
+        let models = error.message().split_once(", expected ").unwrap().1;
+        for model in models.split('`').skip(1).step_by(2) {
+            let heading = format!("{key} = {{ model = \"{model}\" }}");
+            assert!(sections.iter().any(|section| section.heading == heading), "{heading}");
+        }
+    }
+}
+
+#[test]
+fn documented_defaults_are_those_of_the_program() {
+    let mut whole = default_table();
+    let propagation = csat_netem::config::PropagationConfig::default();
+    let radio = whole["netem"]["radio"].as_table_mut().unwrap();
+    radio.insert("propagation".to_owned(), toml::Value::try_from(propagation).unwrap());
+    for Section { heading, keys } in sections() {
+        let path = if heading == "Top level" { "" } else { heading.trim_matches(['[', ']']) };
+        if heading.starts_with("[[") || heading.contains("model") {
+            continue;
+        }
+        let parts = path.split('.').filter(|part| !part.is_empty());
+        let table = parts.fold(Some(&whole), |table, part| table?.get(part)?.as_table()).unwrap();
+        for (key, default) in keys {
+            let documented = toml::from_str::<toml::Table>(&format!("x = {default}"));
+            match (table.get(&key), documented) {
+                (Some(value), Ok(documented)) => {
+                    assert_eq!(*value, documented["x"], "{heading} {key}");
+                }
+                (Some(value), Err(_)) => assert!(value.is_table(), "{heading} {key}: {default}"),
+                (None, _) => assert_eq!(default, "none", "{heading} {key}"),
+            }
+        }
+    }
+}
