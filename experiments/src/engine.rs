@@ -18,7 +18,7 @@ use serde::Serialize;
 use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::fleet::local::LocalFleet;
-use crate::fleet::{Brief, Fleet};
+use crate::fleet::{Brief, Fleet, Frames};
 pub use crate::fleet::{Flown, Passage};
 use crate::plug::{Detail, Mission, Tally};
 use crate::seat::Seat;
@@ -49,6 +49,8 @@ pub struct StepTrace<M: Mission> {
     pub step: Step,
     /// Who crashed or was restarted.
     pub lives: Vec<(AgentId, LifeEvent)>,
+    /// Whether each agent runs, by index. In real time one that runs may have told nothing yet.
+    pub alive: Vec<bool>,
     /// What each agent told its observers, by index.
     pub flown: Vec<Flown<M>>,
     /// What the agents reported, by agent.
@@ -65,6 +67,7 @@ impl<M: Mission> StepTrace<M> {
     fn new(
         step: Step,
         lives: Vec<(AgentId, LifeEvent)>,
+        alive: Vec<bool>,
         mut flown: Vec<Flown<M>>,
         violations: Vec<Violation>,
     ) -> Self {
@@ -78,7 +81,7 @@ impl<M: Mission> StepTrace<M> {
             (s.time, s.src, s.incarnation, s.channel, s.sequence, s.dst)
         });
         arrivals.sort_by_key(|arrival: &Arrival| (arrival.at, arrival.src));
-        Self { step, lives, flown, events, passages, arrivals, violations }
+        Self { step, lives, alive, flown, events, passages, arrivals, violations }
     }
 }
 
@@ -222,6 +225,11 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         self.fleet.per_link()
     }
 
+    /// How many frames each agent was shown and missed so far.
+    pub fn frames(&self) -> Vec<Frames> {
+        self.fleet.frames()
+    }
+
     /// The monitor.
     pub fn monitor(&self) -> &Monitor {
         &self.monitor
@@ -265,7 +273,8 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             }
         }
         let violations = self.watch(step, &flown);
-        Ok(StepTrace::new(step, lives, flown, violations))
+        let alive = self.lives.iter().map(|life| life.is_alive).collect();
+        Ok(StepTrace::new(step, lives, alive, flown, violations))
     }
 
     /// Ends and begins the lives of agents: by the schedule of crashes, and as their processes come

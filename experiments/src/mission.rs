@@ -352,6 +352,7 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
             inconsistencies: self.inconsistencies,
             bytes_sent: counters.bytes_sent,
             messages: messages(&counters, self.engine.tally()),
+            frames: self.engine.frames(),
             links: links.iter().map(|(id, counters)| LinkRow::new((*id, counters))).collect(),
             digest: self.engine.digest(),
             view: self.view.rounded(),

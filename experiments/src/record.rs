@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use crate::fleet::Frames;
 use crate::metrics::StepRecord;
 use crate::passages::LinkRow;
 use crate::plot;
 use crate::progress::Progress;
 use crate::provenance::Provenance;
 use crate::run_folder::{Destination, FolderError, PartialFile, RunFolder};
-use crate::scenario::Loaded;
+use crate::scenario::{Loaded, Scenario};
 use crate::series::{Point, Series};
 use crate::summary::{Messages, Summary};
 use crate::timing::{Stopwatch, Timing};
@@ -38,6 +39,9 @@ pub enum RecordError {
     Plot(#[from] plot::PlotError),
 }
 
+/// The town of a run whose map is not a shipped one.
+const MAP_FILE: &str = "map.geojson";
+
 /// Where and how to record.
 #[derive(Debug, Clone)]
 pub struct RecordOptions {
@@ -64,6 +68,8 @@ pub struct Outcome {
     pub messages: Messages,
     /// Bytes that agents sent.
     pub bytes_sent: u64,
+    /// What became of each agent's frames, by index.
+    pub frames: Vec<Frames>,
     /// What each link did.
     pub links: Vec<LinkRow>,
     /// Hash of every agent's state at every step.
@@ -89,6 +95,7 @@ pub struct Recorder {
     seed: u64,
     agents: u16,
     targets: u16,
+    thesis_setting: bool,
     metrics: csv::Writer<PartialFile>,
     events: PartialFile,
     series: Series,
@@ -105,7 +112,7 @@ impl Recorder {
     pub fn create(loaded: &Loaded, options: &RecordOptions) -> Result<Self, RecordError> {
         let scenario = &loaded.scenario;
         let folder = RunFolder::create(options.destination.clone())?;
-        folder.write("scenario.resolved.toml", &scenario.to_toml())?;
+        folder.write("scenario.resolved.toml", &keep_map(&folder, loaded)?.to_toml())?;
         let attribution = loaded.world.map().attribution.clone();
         let provenance = Provenance::collect(&loaded.name, scenario.seed, attribution);
         folder.write("provenance.json", &(serde_json::to_string_pretty(&provenance)? + "\n"))?;
@@ -116,6 +123,7 @@ impl Recorder {
             seed: scenario.seed,
             agents: scenario.agents.count,
             targets: scenario.targets.count,
+            thesis_setting: scenario.is_thesis_setting(),
             metrics,
             events,
             series: Series::default(),
@@ -194,6 +202,7 @@ impl Recorder {
             seed: self.seed,
             agents: self.agents,
             targets: self.targets,
+            thesis_setting: self.thesis_setting,
             steps: outcome.steps,
             interrupted: outcome.interrupted,
             violations: outcome.violations,
@@ -202,6 +211,7 @@ impl Recorder {
             all_identified_s: self.series.all_identified_s(self.targets),
             means: self.series.second_half(),
             last: last.means,
+            frames: outcome.frames.clone(),
             messages: outcome.messages.clone(),
             bytes_sent: outcome.bytes_sent,
             timing_ms: self.timing.summary(),
@@ -215,6 +225,17 @@ impl Recorder {
     fn csv_error(&self, error: csv::Error) -> RecordError {
         RecordError::Csv { path: self.folder.partial().join("metrics.csv"), error }
     }
+}
+
+/// A map of the user's own goes into the folder, and the scenario names it there: whoever flies the run
+/// again flies the same town, however the file was edited since and wherever the folder went.
+fn keep_map(folder: &RunFolder, loaded: &Loaded) -> Result<Scenario, FolderError> {
+    let mut scenario = loaded.scenario.clone();
+    if let Some(map) = loaded.map.as_ref().filter(|map| !map.is_shipped) {
+        folder.write(MAP_FILE, &map.text)?;
+        scenario.map.file = Some(MAP_FILE.into());
+    }
+    Ok(scenario)
 }
 
 fn links_csv(rows: &[LinkRow]) -> Result<String, RecordError> {

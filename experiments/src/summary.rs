@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::fleet::Frames;
 use crate::series::Means;
 use crate::timing::TimingSummary;
 
@@ -18,6 +19,10 @@ pub struct Summary {
     pub agents: u16,
     /// N^t.
     pub targets: u16,
+    /// Whether its setting is that of the thesis's missions under `str3`, κ = 1, so that its numbers may be
+    /// set beside the published ones.
+    #[serde(default)]
+    pub thesis_setting: bool,
     /// Steps flown.
     pub steps: u32,
     /// Whether the user ended the run early.
@@ -36,6 +41,9 @@ pub struct Summary {
     /// The same at the last step.
     #[serde(rename = "final")]
     pub last: Means,
+    /// What became of each agent's frames, by index: in real time slow agents miss some.
+    #[serde(default)]
+    pub frames: Vec<Frames>,
     /// What became of the messages.
     pub messages: Messages,
     /// Bytes that agents sent, each message once however many hear it.
@@ -86,19 +94,13 @@ impl Summary {
             Some(time_s) => format!("all after {time_s} s"),
             None => "not all".to_owned(),
         };
-        let reasons: Vec<String> =
-            self.messages.dropped.iter().map(|(reason, n)| format!("{reason} {n}")).collect();
-        let dropped = match self.messages.dropped.values().sum::<u64>() {
-            0 => String::new(),
-            sum => format!(", {sum} dropped ({})", reasons.join(", ")),
-        };
         let ended = if self.interrupted { ", ended early by the user" } else { "" };
         format!(
             "{} seed {}: {} s flown in {:.1} s ({:.1}x real time){ended}\n\
              identified {}/{} ({all}), violations {}, inconsistencies {}\n\
              second half: unexplored {:.2} % (hidden {:.2} %), explored {:.2} %, localisation \
              error {}, target radius {}\n\
-             messages: {} sent, {} delivered{dropped}, {:.2} MB; digest {}",
+             messages by receiver: {}; {:.2} MB said; digest {}{}",
             self.scenario,
             self.seed,
             self.sim_s,
@@ -113,11 +115,41 @@ impl Summary {
             self.means.explored_pct,
             metres(self.means.localization_error_m),
             metres(self.means.target_radius_m),
-            self.messages.sent,
-            self.messages.delivered,
+            self.messages.describe(),
             self.bytes_sent as f64 / 1e6,
             self.digest,
+            self.missed(),
         )
+    }
+
+    /// A line for each agent that was too slow for some of its frames.
+    fn missed(&self) -> String {
+        let slow = self.frames.iter().enumerate().filter(|(_, frames)| frames.missed > 0);
+        let line = |(agent, Frames { shown, missed }): (usize, &Frames)| {
+            format!("\nwarning: UAV {agent} missed {missed} of {shown} frames")
+        };
+        slow.map(line).collect()
+    }
+}
+
+impl Messages {
+    /// In a line that adds up: sent + duplicated = delivered + dropped + in flight.
+    fn describe(&self) -> String {
+        let reasons: Vec<String> =
+            self.dropped.iter().map(|(reason, n)| format!("{reason} {n}")).collect();
+        let mut text = format!("{} sent", self.sent);
+        if self.duplicated > 0 {
+            text += &format!(" + {} duplicated", self.duplicated);
+        }
+        text += &format!(", {} delivered", self.delivered);
+        match self.dropped.values().sum::<u64>() {
+            0 => {}
+            sum => text += &format!(", {sum} dropped ({})", reasons.join(", ")),
+        }
+        if self.in_flight > 0 {
+            text += &format!(", {} still on their way", self.in_flight);
+        }
+        text
     }
 }
 
@@ -132,6 +164,7 @@ pub(crate) mod tests {
             seed: 7,
             agents: 4,
             targets: 8,
+            thesis_setting: true,
             steps: 600,
             interrupted: false,
             violations: 0,
@@ -140,6 +173,7 @@ pub(crate) mod tests {
             all_identified_s: Some(93.5),
             means: Means { unexplored_pct: 21.5, oem_iou_pct: Some(74.0), ..Means::default() },
             last: Means { unexplored_pct: 20.0, ..Means::default() },
+            frames: vec![Frames { shown: 601, missed: 0 }; 4],
             messages: Messages {
                 sent: 12,
                 delivered: 9,
@@ -165,6 +199,7 @@ pub(crate) mod tests {
             "seed",
             "agents",
             "targets",
+            "thesis_setting",
             "steps",
             "violations",
             "inconsistencies",
@@ -179,6 +214,7 @@ pub(crate) mod tests {
             "target_radius_m",
             "oem_iou_pct",
             "final",
+            "frames",
             "messages",
             "bytes_sent",
             "timing_ms",
@@ -204,11 +240,28 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn what_is_said_of_messages_adds_up() {
+        let messages = Messages { duplicated: 4, in_flight: 4, ..sample().messages };
+        assert_eq!(
+            messages.describe(),
+            "12 sent + 4 duplicated, 9 delivered, 3 dropped (range 3), 4 still on their way"
+        );
+    }
+
+    #[test]
     fn a_person_reads_the_same() {
         let text = sample().describe();
         assert!(text.contains("city seed 7: 300 s flown in 12.5 s (24.0x real time)\n"), "{text}");
         assert!(text.contains("identified 8/8 (all after 93.5 s), violations 0"), "{text}");
-        assert!(text.contains("12 sent, 9 delivered, 3 dropped (range 3), 1.23 MB;"), "{text}");
+        assert!(
+            text.contains("12 sent, 9 delivered, 3 dropped (range 3); 1.23 MB said;"),
+            "{text}"
+        );
+        assert!(!text.contains("missed"), "{text}");
+        let mut slow = sample();
+        slow.frames[3].missed = 449;
+        let text = slow.describe();
+        assert!(text.ends_with("\nwarning: UAV 3 missed 449 of 601 frames"), "{text}");
         let early = Summary { interrupted: true, all_identified_s: None, ..sample() }.describe();
         assert!(
             early.contains("ended early by the user") && early.contains("(not all)"),

@@ -57,6 +57,19 @@ fn in_real_time_nobody_waits_and_the_guarantee_holds() {
     expect_nobody(&endpoint);
 }
 
+/// No process takes a frame in the half of a millisecond that this pace gives it.
+#[test]
+fn frames_that_were_missed_are_told() {
+    let (folder, endpoint) = (scratch(), endpoint());
+    let output = end(spawn(folder.path(), &endpoint, "60", &["--realtime", "1000"]));
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let frames = json(&folder.path().join("out/summary.json"))["frames"].clone();
+    let [shown, missed] = ["shown", "missed"].map(|key| frames[1][key].as_u64().unwrap());
+    assert!(shown == 121 && (1..=121).contains(&missed), "{frames}");
+    let told = format!("\nwarning: UAV 1 missed {missed} of 121 frames\n");
+    assert!(text(&output.stdout).contains(&told), "{}", text(&output.stdout));
+}
+
 #[test]
 fn a_killed_agent_is_noticed_and_comes_back() {
     let (folder, endpoint) = (scratch(), endpoint());

@@ -84,6 +84,30 @@ fn the_resolved_scenario_flies_the_same_mission() {
     assert_ne!(digest(&first.stdout), digest(&other.stdout));
 }
 
+/// The folder holds the town that was flown over, under the name of the mission, however the file is
+/// edited later and wherever the folder goes.
+#[test]
+fn a_town_of_ones_own_is_kept_with_its_run() {
+    let base = scratch();
+    let town = Path::new(env!("CARGO_MANIFEST_DIR")).join("maps/helsinki-05.geojson");
+    let mine = base.path().join("mine.geojson");
+    std::fs::copy(town, &mine).unwrap();
+    let sets = ["--set", "map.file=mine.geojson", "--set", "map.size_m=[300, 300]"];
+    let first = small_run(base.path(), &[&sets[..], &["--out", "first"]].concat());
+    assert_eq!(first.status.code(), Some(0), "{}", text(&first.stderr));
+    let resolved = read(&base.path().join("first/scenario.resolved.toml"));
+    assert!(resolved.contains("file = \"map.geojson\"\n"), "{resolved}");
+    std::fs::remove_file(mine).unwrap();
+    std::fs::create_dir(base.path().join("elsewhere")).unwrap();
+    std::fs::rename(base.path().join("first"), base.path().join("elsewhere/moved")).unwrap();
+    let again = csat(base.path(), &["run", "elsewhere/moved/scenario.resolved.toml"]);
+    assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
+    assert_eq!(names(&base.path().join("runs")), ["city-seed1"]);
+    let digest =
+        |folder: &str| json(&base.path().join(folder).join("summary.json"))["digest"].clone();
+    assert_eq!(digest("elsewhere/moved"), digest("runs/city-seed1"));
+}
+
 #[test]
 fn json_is_the_summary_and_nothing_else() {
     let base = scratch();
@@ -177,7 +201,7 @@ fn plot_says_what_is_wrong_with_a_folder() {
     let expect = |folder: &str, start: &str| {
         let output = csat(base.path(), &["plot", folder]);
         let said = text(&output.stderr);
-        assert_eq!((output.status.code(), text(&output.stdout)), (Some(1), String::new()));
+        assert_eq!((output.status.code(), text(&output.stdout)), (Some(2), String::new()));
         assert!(said.starts_with(&format!("error: cannot read `{start}")), "{said}");
         assert!(said.ends_with("; expected the folder of a finished run\n"), "{said}");
         assert_eq!(said.lines().count(), 1, "{said}");

@@ -12,7 +12,7 @@ use csat_proto::time::SimTime;
 use csat_world::camera::Renderer;
 use rayon::prelude::*;
 
-use super::{Brief, Fleet, Flown};
+use super::{Brief, Fleet, Flown, Frames};
 use crate::plug::Mission;
 use crate::seat::{Said, Seat};
 
@@ -21,6 +21,8 @@ pub struct LocalFleet<M: Mission> {
     mission: M,
     seats: Vec<Seat<M>>,
     renderers: Vec<Renderer>,
+    /// By index, how many frames an agent was shown.
+    shown: Vec<u64>,
 }
 
 impl<M: Mission> LocalFleet<M> {
@@ -40,6 +42,7 @@ impl<M: Mission> LocalFleet<M> {
         Self {
             seats: (0..count).map(seat).collect(),
             renderers: (0..count).map(|_| Renderer::new(mission.camera())).collect(),
+            shown: vec![0; count],
             mission,
         }
     }
@@ -58,7 +61,10 @@ impl<M: Mission> LocalFleet<M> {
 
     /// Renders every frame and hands it to its agent.
     fn look(&mut self, brief: &Brief) {
-        let Self { mission, seats, renderers } = self;
+        for (shown, life) in self.shown.iter_mut().zip(&brief.lives) {
+            *shown += u64::from(life.is_some());
+        }
+        let Self { mission, seats, renderers, .. } = self;
         let mission = &*mission;
         let each = seats.par_iter_mut().zip(renderers).zip(&brief.poses).zip(&brief.lives);
         each.enumerate().for_each(|(index, (((seat, renderer), pose), life))| {
@@ -120,5 +126,10 @@ impl<M: Mission> Fleet<M> for LocalFleet<M> {
         let mut links: Vec<_> = links.map(|(id, counters)| (id, counters.clone())).collect();
         links.sort_by_key(|(id, _)| *id);
         links
+    }
+
+    fn frames(&self) -> Vec<Frames> {
+        // Here time waits for everybody.
+        self.shown.iter().map(|&shown| Frames { shown, missed: 0 }).collect()
     }
 }

@@ -20,6 +20,7 @@ use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::{SimTime, Step};
 use csat_world::camera::Renderer;
 use csat_world::scene::Scene;
+use serde::{Deserialize, Serialize};
 use tracing::info_span;
 
 use crate::plug::{Detail, Mission};
@@ -104,6 +105,16 @@ impl<M: Mission> Flown<M> {
     }
 }
 
+/// An agent's frames in all its lives. In real time nobody waits for whoever is slow: it looks at the
+/// newest frame only, and misses those before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Frames {
+    /// How many it was shown.
+    pub shown: u64,
+    /// Of those, how many it did not look at.
+    pub missed: u64,
+}
+
 /// The agents of a mission, wherever they are.
 pub trait Fleet<M: Mission> {
     /// Why a step could not be flown.
@@ -127,6 +138,9 @@ pub trait Fleet<M: Mission> {
 
     /// What each link did so far, by sender, receiver and channel.
     fn per_link(&self) -> Vec<(LinkId, LinkCounters)>;
+
+    /// What became of each agent's frames so far, by index.
+    fn frames(&self) -> Vec<Frames>;
 }
 
 impl<M: Mission, F: Fleet<M>> Fleet<M> for &mut F {
@@ -150,5 +164,9 @@ impl<M: Mission, F: Fleet<M>> Fleet<M> for &mut F {
 
     fn per_link(&self) -> Vec<(LinkId, LinkCounters)> {
         (**self).per_link()
+    }
+
+    fn frames(&self) -> Vec<Frames> {
+        (**self).frames()
     }
 }

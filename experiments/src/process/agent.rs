@@ -188,8 +188,8 @@ struct Shell {
     asked: Vec<Query>,
     is_world_here: bool,
     since_start: Stopwatch,
-    /// Frames that it was too slow for.
-    skipped: u64,
+    /// Frames that it looked at.
+    looked: u64,
 }
 
 impl Shell {
@@ -236,7 +236,7 @@ impl Shell {
             asked: Vec::new(),
             is_world_here: false,
             since_start: Stopwatch::start(),
-            skipped: 0,
+            looked: 0,
         })
     }
 
@@ -247,7 +247,7 @@ impl Shell {
             match self.desk.next(self.wait_limit()) {
                 None => self.idle()?,
                 // Nobody waits for whoever is slow: it looks at the newest frame only.
-                Some(News::Frame(..)) if self.is_late() => self.skipped += 1,
+                Some(News::Frame(..)) if self.is_late() => {}
                 Some(News::Frame(header, pixels)) => self.look(&header, &pixels)?,
                 Some(News::Order(Order::Turn { step, round, now, said })) => {
                     let waiting = Stopwatch::start();
@@ -259,9 +259,6 @@ impl Shell {
                 }
                 Some(News::Order(Order::Show)) => self.report(Detail::Full),
                 Some(News::Order(Order::End { reason })) => {
-                    if self.skipped > 0 {
-                        tracing::warn!(agent = %self.id, frames = self.skipped, "too slow for them");
-                    }
                     tracing::info!(agent = %self.id, reason, "ends");
                     return Ok(reason);
                 }
@@ -403,6 +400,7 @@ impl Shell {
                 .map_err(|error| AgentError::Frame { step, error })?;
             header.check(&self.camera, self.period_s, last, &labels)?;
             let detections = header.detections.clone();
+            self.looked += 1;
             self.seat.look(time, || Frame { step, pose, labels, depth, detections });
         }
         self.talk(time);
@@ -522,7 +520,7 @@ impl Shell {
             let picture = self.picture(flown.passages.clone(), flown.bytes_sent);
             self.mirror.show(picture);
         }
-        let account = Account::new(self.process, flown, self.seat.links());
+        let account = Account::new(self.process, flown, self.looked, self.seat.links());
         self.desk.report(account.encode());
     }
 }

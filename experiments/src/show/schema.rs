@@ -53,7 +53,7 @@ fn of_truth(name: &str) -> &'static str {
         "metrics" => {
             "unexplored_pct:n hidden_pct:n explored_pct:n footprint_pct:n ground_seen_pct:n \
              localization_error_m:n target_radius_m:n oem_iou_pct:n identified:n \
-             identified_union:n targets_in_fov:n violations:n bytes_sent:n alive:[b]"
+             identified_union:n targets_in_fov:n violations:n bytes_sent:n alive:[b] late:[b]"
         }
         "lives" => "agent:n event:s incarnation:n",
         _ => "",

@@ -106,6 +106,7 @@ struct Metrics {
     violations: u64,
     bytes_sent: u64,
     alive: Vec<bool>,
+    late: Vec<bool>,
 }
 
 /// `truth/metrics`: one point of the curves.
@@ -114,9 +115,10 @@ pub fn metrics<M: Mission>(moment: &Moment<'_, M>) -> Document {
     let mean = |value: fn(&Means) -> f64| point.as_ref().map(|p| micro(value(&p.means)));
     let some_mean =
         |value: fn(&Means) -> Option<f64>| point.as_ref().and_then(|p| value(&p.means)).map(micro);
-    let mut alive = vec![false; moment.world.poses().len()];
+    let alive = moment.trace.alive.clone();
+    let mut late = alive.clone();
     for agent in &moment.trace.flown {
-        alive[usize::from(agent.agent.0)] = agent.report.is_some();
+        late[usize::from(agent.agent.0)] &= agent.report.is_none();
     }
     let metrics = Metrics {
         step: moment.trace.step,
@@ -135,6 +137,7 @@ pub fn metrics<M: Mission>(moment: &Moment<'_, M>) -> Document {
         violations: moment.violations,
         bytes_sent: moment.trace.flown.iter().map(|flown| flown.bytes_sent).sum(),
         alive,
+        late,
     };
     Document::json("truth/metrics", &metrics)
 }
@@ -154,4 +157,32 @@ pub fn lives<M: Mission>(trace: &StepTrace<M>, time_s: f64) -> Vec<Document> {
         Document::json("truth/lives", &Life { agent: *agent, event, time_s })
     };
     trace.lives.iter().map(document).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::Engine;
+    use crate::set_membership::SetMembership;
+    use crate::testing::small_mission;
+
+    /// In real time an agent may tell too late: that does not make it dead.
+    #[test]
+    fn who_tells_late_is_alive() {
+        let loaded = small_mission(1.0);
+        let mission = SetMembership::new(&loaded.scenario);
+        let (netem, seed) = (&loaded.scenario.netem, loaded.scenario.seed);
+        let mut engine = Engine::new(mission, loaded.world, netem, seed);
+        let mut trace = engine.step();
+        trace.flown[1].report = None;
+        let said = |trace: &StepTrace<SetMembership>| {
+            let moment =
+                Moment { time_s: 0.0, world: engine.world(), trace, rows: &[], violations: 0 };
+            let body: serde_json::Value = serde_json::from_str(&metrics(&moment).body).unwrap();
+            (body["alive"].clone(), body["late"].clone())
+        };
+        assert_eq!(said(&trace), (json!([true, true]), json!([false, true])));
+        trace.alive[1] = false;
+        assert_eq!(said(&trace), (json!([true, false]), json!([false, false])));
+    }
 }

@@ -27,6 +27,8 @@ pub struct Account<R> {
     passages: Vec<(Sent, Fate)>,
     times: StageTimes,
     bytes_sent: u64,
+    /// How many frames it looked at so far.
+    pub looked: u64,
     /// What the links to it did so far.
     pub counters: Counters,
     /// The same, by link.
@@ -34,8 +36,14 @@ pub struct Account<R> {
 }
 
 impl<R: Serialize + DeserializeOwned> Account<R> {
-    /// What `flown` says, for the wire. Commands have been told already.
-    pub fn new<M: Mission<Report = R>>(process: u64, flown: Flown<M>, links: &Links) -> Self {
+    /// What `flown` says, for the wire, and that `looked` frames were looked at. Commands have been told
+    /// already.
+    pub fn new<M: Mission<Report = R>>(
+        process: u64,
+        flown: Flown<M>,
+        looked: u64,
+        links: &Links,
+    ) -> Self {
         let events = flown.events.iter();
         Self {
             process,
@@ -45,6 +53,7 @@ impl<R: Serialize + DeserializeOwned> Account<R> {
             passages: flown.passages.into_iter().map(|p| (p.sent, p.fate)).collect(),
             times: flown.times,
             bytes_sent: flown.bytes_sent,
+            looked,
             counters: links.counters().clone(),
             links: links.per_link().map(|(id, counters)| (id, counters.clone())).collect(),
         }

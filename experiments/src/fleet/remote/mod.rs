@@ -28,7 +28,7 @@ use rayon::prelude::*;
 use self::account::Account;
 use self::port::{News, Port};
 use self::roster::Roster;
-use super::{Brief, Fleet, Flown};
+use super::{Brief, Fleet, Flown, Frames};
 use crate::plug::{Detail, Mission};
 use crate::stages;
 use crate::timing::{StageTimes, Stopwatch};
@@ -78,6 +78,10 @@ struct Member<R> {
     is_new: bool,
     /// What became of messages to processes that are gone.
     ended: Counters,
+    /// Frames that it was shown in all its lives.
+    shown: u64,
+    /// Frames that processes that are gone looked at.
+    ended_looked: u64,
 }
 
 /// The agents of a mission in processes of their own.
@@ -109,6 +113,8 @@ impl<M: Mission> RemoteFleet<M> {
             account: None,
             is_new: false,
             ended: Counters::default(),
+            shown: 0,
+            ended_looked: 0,
         };
         Self {
             renderers: renderers.collect(),
@@ -220,6 +226,7 @@ impl<M: Mission> RemoteFleet<M> {
         member.ended.add(&last);
         if let Some(account) = &mut member.account {
             account.counters = Counters::default();
+            member.ended_looked += std::mem::take(&mut account.looked);
         }
         (member.done, member.said, member.due, member.is_new) = (None, None, None, false);
         member.commands.clear();
@@ -248,6 +255,10 @@ impl<M: Mission> RemoteFleet<M> {
     /// Renders and sends all frames.
     fn show_frames(&mut self, brief: &Brief) {
         let said: Vec<SaidSoFar> = self.said();
+        for agent in self.roster.present() {
+            let index = usize::from(agent.0);
+            self.members[index].shown += u64::from(brief.lives[index].is_some());
+        }
         let Self { port, roster, renderers, render_times, .. } = self;
         let (voice, roster, said) = (port.voice(), &*roster, &said);
         let each = renderers.par_iter_mut().zip(render_times).enumerate();
@@ -408,5 +419,14 @@ impl<M: Mission> Fleet<M> for RemoteFleet<M> {
         let mut links: Vec<_> = links.flat_map(|account| account.links.clone()).collect();
         links.sort_by_key(|(id, _)| *id);
         links
+    }
+
+    fn frames(&self) -> Vec<Frames> {
+        let frames = |member: &Member<M::Report>| {
+            let looked = member.account.as_ref().map_or(0, |account| account.looked);
+            let missed = member.shown.saturating_sub(member.ended_looked + looked);
+            Frames { shown: member.shown, missed }
+        };
+        self.members.iter().map(frames).collect()
     }
 }

@@ -5,7 +5,7 @@ const CURVES = [
   { title: 'Explored', unit: '%', keys: ['explored_pct'], colours: ['#0072B2'], top: 100 },
   { title: 'Hidden', unit: '%', keys: ['hidden_pct'], colours: ['#1F5FBF'] },
   { title: 'Identified', unit: '', keys: ['identified', 'identified_union'], colours: ['#00573F', '#00573F'], top: targetCount, note: 'dashed: by at least one UAV' },
-  { title: 'Localisation error', unit: 'm', keys: ['localization_error_m'], colours: ['#D55E00'] },
+  { title: 'Localisation', unit: 'm', keys: ['localization_error_m'], colours: ['#D55E00'], note: 'error of the cars\' locations, mean over the UAVs that run' },
   { title: 'Sent per step', unit: 'B', keys: ['bytes_sent'], colours: ['#5D3A9B'] },
 ];
 let hovered = null;

@@ -35,7 +35,8 @@ const percent = (value) => (isNumber(value) ? `${value.toFixed(1)} %` : '–');
 // What the chosen agent says of itself.
 function showDetails() {
   const agent = state.agent;
-  setText('details-title', `UAV ${agent}${isDown(agent) ? ': crashed' : ''}`);
+  const condition = isDown(agent) ? ': crashed' : isLate(agent) ? ': late' : '';
+  setText('details-title', `UAV ${agent}${condition}`);
   const [pose, stats] = [view(agent, 'pose'), view(agent, 'stats')];
   const rows = [];
   const place = placeOf(agent);

@@ -108,6 +108,11 @@ function isDown(agent) {
   return metricsNow()?.alive?.[agent] === false;
 }
 
+// Who runs and has not told of this step in time: in real time nobody waits for whoever is slow.
+function isLate(agent) {
+  return metricsNow()?.late?.[agent] === true;
+}
+
 // A value made from a document once, as long as the document lives.
 const made = new WeakMap();
 function fromDocument(doc, name, make) {
