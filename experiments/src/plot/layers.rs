@@ -170,6 +170,9 @@ fn oem_cells(panel: &Panel, oem: &Oem, into: Group, style: impl Fn(Path, f64) ->
     })
 }
 
+/// How dark the tracks of cars are.
+pub const TRACK_OPACITY: f64 = 0.35;
+
 /// Number of bands of height.
 pub const BANDS: u16 = 5;
 
@@ -262,7 +265,7 @@ pub fn cars(panel: &Panel, view: &View) -> Group {
             .set("d", panel.line(path))
             .set("fill", "none")
             .set("stroke", "#000000")
-            .set("stroke-opacity", 0.35)
+            .set("stroke-opacity", TRACK_OPACITY)
             .set("stroke-width", 1);
         let [x, y] = panel.pixel(*last);
         let mark = Rectangle::new()

@@ -7,7 +7,7 @@ use super::{layers, uav_colour};
 use crate::view::View;
 
 /// Height of the legend, pixels.
-pub const HEIGHT_PX: f64 = ROW_PX * 9.0;
+pub const HEIGHT_PX: f64 = ROW_PX * 10.0;
 const ROW_PX: f64 = 21.0;
 
 /// The legend with its top left corner at (x, y).
@@ -47,10 +47,13 @@ pub fn legend(x: f64, y: f64, view: &View) -> Group {
         .set("r", 3.5)
         .set("fill", "#ffffff")
         .set("stroke", colour);
+    let track = line(5.0).set("stroke", "#000000").set("stroke-opacity", layers::TRACK_OPACITY);
+    let unseen = box_at(9.0).set("fill", "#ffffff").set("stroke", "#4A4A4A");
     legend
+        .add(track)
         .add(car(x + 4.0, y + 5.0 * ROW_PX + 9.5, "#000000", "#ffffff"))
         .add(car(x + 17.0, y + 5.0 * ROW_PX + 9.5, "#ffffff", "#000000"))
-        .add(say(5.0, "car, known to agent 0 and not"))
+        .add(say(5.0, "cars, known to agent 0 and not; their tracks"))
         .add(line(6.0).set("stroke", colour).set("stroke-width", 1.8))
         .add(start)
         .add(say(6.0, "path of a UAV from its start"))
@@ -59,6 +62,8 @@ pub fn legend(x: f64, y: f64, view: &View) -> Group {
         )
         .add(say(7.0, "its footprint now"))
         .add(heights(x, y + 8.0 * ROW_PX, view))
+        .add(unseen)
+        .add(say(9.0, "white in the OEM: not seen yet"))
 }
 
 fn car(x: f64, y: f64, fill: &str, stroke: &str) -> Rectangle {

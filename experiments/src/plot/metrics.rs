@@ -5,14 +5,15 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::PlotError;
-use super::panels::{Curve, GREY, Panel, TEXT, panels};
+use super::panels::{Beside, Curve, GREY, Panel, TEXT, panels};
 use crate::published::SPAN_S;
 use crate::series::{Point, Series};
 use crate::summary::Summary;
 
 const SIZE_PX: (u32, u32) = (1240, 1360);
 const HEADER_PX: i32 = 62;
-/// Draws a mission's metrics over time, with the thesis's means for `str3`, κ = 1 dashed.
+/// Draws a mission's metrics over time; with the thesis's means for `str3`, κ = 1 dashed, if the mission
+/// is one of those that it flew.
 ///
 /// # Errors
 /// When the plotting library refuses.
@@ -33,10 +34,24 @@ fn draw(summary: &Summary, series: &Series, svg: &mut String) -> Result<(), Erro
         summary.scenario, summary.seed, summary.agents, summary.targets, summary.sim_s
     );
     header.draw_text(&title, &("sans-serif", 24).into_font().color(&TEXT), (20, 14))?;
-    let note = "solid: this run, mean of the agents; dashed: thesis, str3 with kappa = 1, mean of \
-                10 runs over 150-300 s, shaded: its standard deviation";
-    header.draw_text(note, &("sans-serif", 14).into_font().color(&GREY), (20, 42))?;
-    for (area, panel) in body.split_evenly((4, 2)).iter().zip(panels()) {
+    let end_s = series.0.last().map_or(0.0, |p| p.time_s);
+    let beside = if summary.thesis_setting && summary.sim_s >= SPAN_S[1] {
+        Beside::Thesis
+    } else {
+        Beside::Nothing
+    };
+    let thesis = match beside {
+        Beside::Thesis => {
+            "; dashed: thesis, str3, kappa = 1, mean of 10 runs over 150-300 s, shaded: its deviation"
+        }
+        Beside::Nothing => "",
+    };
+    let half = format!("{}-{} s", tick(end_s / 2.0, end_s), tick(end_s, end_s));
+    let note = format!(
+        "solid: this run, mean of the agents; numbers: its mean over {half}, the second half{thesis}"
+    );
+    header.draw_text(&note, &("sans-serif", 14).into_font().color(&GREY), (20, 42))?;
+    for (area, panel) in body.split_evenly((4, 2)).iter().zip(panels(beside)) {
         draw_panel(area, &panel, summary, series)?;
     }
     root.present()?;
@@ -66,8 +81,12 @@ fn draw_panel(
         .y_desc(panel.unit)
         .x_labels(7)
         .y_labels(6)
-        .x_label_formatter(&|x| format!("{x:.0}"))
-        .y_label_formatter(&|y| if top < 3.0 { format!("{y:.1}") } else { format!("{y:.0}") })
+        .x_label_formatter(&|x| tick(*x, end_s))
+        .y_label_formatter(&|y| match panel.unit {
+            // The axis goes on above for the legend, the share does not.
+            "%" if *y > 100.0 => String::new(),
+            _ => tick(*y, top),
+        })
         .label_style(("sans-serif", 13).into_font().color(&TEXT))
         .axis_desc_style(("sans-serif", 14).into_font().color(&TEXT))
         .draw()?;
@@ -120,7 +139,7 @@ fn draw_curves(
     top: f64,
 ) -> Result<(), Error> {
     for curve in &panel.curves {
-        let style = curve.colour.stroke_width(2);
+        let style = curve.colour.stroke_width(curve.width_px);
         for run in unbroken(series, curve.value, top) {
             chart.draw_series(LineSeries::new(run, style))?;
         }
@@ -135,11 +154,17 @@ fn draw_curves(
     Ok(())
 }
 
+/// A number beside an axis that ends at `end`: short axes have ticks closer than 1.
+fn tick(value: f64, end: f64) -> String {
+    let decimals = if end < 3.0 { 1 } else { 0 };
+    format!("{value:.decimals$}")
+}
+
 /// Name, mean over the second half, and the thesis's.
 fn legend_text(curve: &Curve, unit: &str, series: &Series) -> String {
     let values: Vec<f64> = series.half().filter_map(curve.value).collect();
     let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let name = if curve.name.is_empty() { "second half" } else { curve.name };
+    let name = if curve.name.is_empty() { "mean" } else { curve.name };
     let ours = if values.is_empty() { "-".to_owned() } else { format!("{mean:.2}") };
     match curve.published {
         Some([published, deviation]) => {

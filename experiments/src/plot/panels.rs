@@ -22,6 +22,8 @@ pub struct Curve {
     pub value: fn(&Point) -> Option<f64>,
     /// The thesis's mean.
     pub published: Option<Published>,
+    /// How thick it is, pixels.
+    pub width_px: u32,
 }
 
 /// One panel.
@@ -36,8 +38,25 @@ pub struct Panel {
     pub curves: Vec<Curve>,
 }
 
+/// What a mission's curves are set beside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beside {
+    /// The thesis's means.
+    Thesis,
+    /// Nothing: the mission is another than the thesis's.
+    Nothing,
+}
+
 /// All panels, two to a row.
-pub fn panels() -> Vec<Panel> {
+pub fn panels(beside: Beside) -> Vec<Panel> {
+    let mut panels = with_thesis();
+    if beside == Beside::Nothing {
+        panels.iter_mut().flat_map(|panel| &mut panel.curves).for_each(|c| c.published = None);
+    }
+    panels
+}
+
+fn with_thesis() -> Vec<Panel> {
     let thesis = reference().chapter5.str3_kappa1;
     let [identified, in_view] = target_panels();
     let [unexplored, ground_in_view] = ground_panels(&thesis);
@@ -78,8 +97,9 @@ fn target_panels() -> [Panel; 2] {
         panel(
             "Identified targets (fig. 5.9 left)",
             vec![
+                // Where they agree, the wider one shows on both sides of the other.
+                Curve::new("by the fleet", ORANGE, fleet).wide(),
                 Curve::new("by an agent, mean", BLUE, |p| Some(p.identified)),
-                Curve::new("by the fleet", ORANGE, fleet),
             ],
         ),
         panel(
@@ -118,7 +138,12 @@ fn ground_panels(thesis: &Row) -> [Panel; 2] {
 
 impl Curve {
     fn new(name: &'static str, colour: RGBColor, value: fn(&Point) -> Option<f64>) -> Self {
-        Self { name, colour, value, published: None }
+        Self { name, colour, value, published: None, width_px: 2 }
+    }
+
+    /// To be seen under another one.
+    fn wide(self) -> Self {
+        Self { width_px: 5, ..self }
     }
 
     /// With the thesis's mean.

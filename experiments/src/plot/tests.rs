@@ -237,6 +237,30 @@ fn the_metrics_show_every_panel_beside_the_thesis() {
     assert!(!svg.contains("NaN"));
 }
 
+/// The thesis flew its own setting for 300 s: nothing else is set beside its numbers.
+#[test]
+fn other_missions_are_not_set_beside_the_thesis() {
+    let other = Summary { thesis_setting: false, ..sample_summary() };
+    let short = Summary { sim_s: 299.5, ..sample_summary() };
+    for summary in [other, short] {
+        let svg = metrics_svg(&summary, &sample_series()).unwrap();
+        assert!(!svg.contains("thesis") && !svg.contains("22.06"), "{}", summary.sim_s);
+    }
+}
+
+/// Ticks of a short axis differ, and no share is above 100 %.
+#[test]
+fn the_ticks_of_a_short_mission_tell_apart() {
+    let second = Series(sample_series().0.into_iter().take(3).collect());
+    let svg = metrics_svg(&sample_summary(), &second).unwrap();
+    let ticks: Vec<&str> =
+        svg.lines().map(str::trim).filter(|l| l.parse::<f64>().is_ok()).collect();
+    for pair in ticks.windows(2) {
+        assert_ne!(pair[0], pair[1], "{ticks:?}");
+    }
+    assert!(!ticks.contains(&"120"), "{ticks:?}");
+}
+
 #[test]
 fn a_run_is_drawn_again_from_its_folder() {
     let folder = scratch("redraw");

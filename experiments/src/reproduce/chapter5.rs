@@ -101,14 +101,15 @@ fn identification(names: &[String], runs: &[Vec<Flown>]) -> Table {
     let row = |((name, flown), theirs): ((&String, &Vec<Flown>), Option<Theirs>)| {
         let times = flown.iter().map(|r| r.summary.all_identified_s.unwrap_or(r.summary.sim_s));
         let found = flown.iter().filter(|r| r.summary.all_identified_s.is_some()).count();
-        let cell = Cell::new(&times.collect::<Vec<_>>(), theirs);
+        let is_at_least = found < flown.len();
+        let cell = Cell::new(&times.collect::<Vec<_>>(), theirs).at_least(is_at_least);
         (format!("{name} (all found in {found} of {})", flown.len()), vec![cell])
     };
     Table {
         title: "When the fleet has identified all targets".to_owned(),
         source: "thesis §5.4.3, figure 5.9",
         note: "Mean ± standard deviation over missions; one that never found all counts with its \
-               length. In the thesis, (5.27) (str3-kappa0) found all in 2 of 10."
+               length (≥). In the thesis, (5.27) (str3-kappa0) found all in 2 of 10."
             .to_owned(),
         corner: "criterion",
         columns: vec![Column::new("all identified", "s")],

@@ -50,6 +50,8 @@ pub struct Ours {
     pub mean: f64,
     /// The deviation; `None` for a single value.
     pub sd: Option<f64>,
+    /// Whether some values are bounds from below, and so the mean.
+    pub is_at_least: bool,
 }
 
 /// What was published.
@@ -74,13 +76,19 @@ impl Column {
 impl Cell {
     /// The mean of `values` beside what was published.
     pub fn new(values: &[f64], theirs: Option<Theirs>) -> Self {
-        let ours = stats(values).map(|s| Ours { mean: s.mean, sd: s.sd });
+        let ours = stats(values).map(|s| Ours { mean: s.mean, sd: s.sd, is_at_least: false });
         Self { ours, theirs }
+    }
+
+    /// With a mean over some bounds from below.
+    pub fn at_least(mut self, is_at_least: bool) -> Self {
+        self.ours.iter_mut().for_each(|ours| ours.is_at_least = is_at_least);
+        self
     }
 
     /// Whether the difference exceeds both deviations, or ours the bound.
     pub fn differs(&self) -> bool {
-        let (Some(Ours { mean, sd }), Some(theirs)) = (self.ours, self.theirs) else {
+        let (Some(Ours { mean, sd, .. }), Some(theirs)) = (self.ours, self.theirs) else {
             return false;
         };
         match theirs {
@@ -98,7 +106,10 @@ impl Cell {
             Some(sd) => format!("{mean:.decimals$} ± {sd:.decimals$}"),
             None => format!("{mean:.decimals$}"),
         };
-        let ours = self.ours.map(|o| number(o.mean, o.sd));
+        let ours = self.ours.map(|o| {
+            let bound = if o.is_at_least { "≥ " } else { "" };
+            format!("{bound}{}", number(o.mean, o.sd))
+        });
         let theirs = self.theirs.map(|theirs| match theirs {
             Theirs::Mean([mean, sd]) => number(mean, Some(sd)),
             Theirs::Value(value) => number(value, None),

@@ -13,9 +13,9 @@ type Value = fn(&Seen) -> f64;
 
 /// What all figures but 4.19 show.
 const SIZES: [(&str, Value); 3] = [
-    ("Measured set X^{t,m}, radius of equal area", |seen| seen.measured_radius_m),
-    ("Set estimate X^t, radius of equal area", |seen| seen.set_radius_m),
-    ("Point error of X^t", |seen| seen.error_m),
+    ("Measured set, radius of equal area", |seen| seen.measured_radius_m),
+    ("Set estimate, radius of equal area", |seen| seen.set_radius_m),
+    ("Point error of the set estimate", |seen| seen.error_m),
 ];
 const NOTE: &str = "Mean and one standard deviation over the looks.";
 
@@ -30,7 +30,7 @@ pub fn all(seen: &Chapter4) -> String {
     let sizes = SIZES.iter().map(|(name, value)| curve(name, seen.plain(), *value)).collect();
     let covered = |covered: fn(&Seen) -> [f64; SEPARATIONS_M.len()]| -> Vec<Curve> {
         let lines = SEPARATIONS_M.iter().enumerate().map(|(i, separation_m)| {
-            curve(&format!("r_s^tt = {separation_m} m"), seen.plain(), |seen| covered(seen)[i])
+            curve(&format!("cars {separation_m} m apart"), seen.plain(), |seen| covered(seen)[i])
         });
         lines.collect()
     };
@@ -43,7 +43,7 @@ pub fn all(seen: &Chapter4) -> String {
             covered(|seen| seen.covered_pct),
         ),
         chart(
-            "The same by the exclusion round X^t",
+            "The same by the exclusion round the set estimate",
             "%",
             100.0,
             covered(|seen| seen.covered_by_set_pct),

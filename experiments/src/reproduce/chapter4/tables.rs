@@ -50,7 +50,7 @@ fn accuracy(looks: &Looks) -> Table {
             cells[1].theirs = Some(Theirs::Value(chapter6.target_60m_radius_m.exact));
         }
         cells[2].theirs = Some(Theirs::Below(chapter4.point_error_below_m));
-        (format!("{:.0} m", chapter4.distance_m[car]), cells)
+        (format!("{:.0} m", distance_m(car)), cells)
     });
     Table {
         title: "One look at five cars".to_owned(),
@@ -69,8 +69,10 @@ fn exclusion(seen: &Chapter4) -> Table {
     let covers = reference().chapter4.exclusion_covers_shadow;
     let (headings, looks) = &seen.families[0];
     type Covered = fn(&Seen) -> [f64; SEPARATIONS_M.len()];
-    let ways: [(&str, Covered); 2] =
-        [("X^{t,m}", |seen| seen.covered_pct), ("X^t", |seen| seen.covered_by_set_pct)];
+    let ways: [(&str, Covered); 2] = [
+        ("measured set", |seen| seen.covered_pct),
+        ("set estimate", |seen| seen.covered_by_set_pct),
+    ];
     let mut rows = Vec::new();
     for ((way, covered), (heading, looks)) in
         ways.iter().flat_map(|way| headings.settings.iter().zip(looks).map(move |look| (way, look)))
@@ -91,10 +93,10 @@ fn exclusion(seen: &Chapter4) -> Table {
         source: "thesis §4.7.3, figure 4.19",
         note:
             "Share of the ground behind a car's Target pixels that has no other car in it, by the \
-               exclusion (4.17) round X^{t,m}, and by the one round X^t."
+               exclusion (4.17) round its measured set, and by the one round its set estimate."
                 .to_owned(),
         corner: "round, heading, distance",
-        columns: SEPARATIONS_M.map(|s| Column::new(&format!("r_s^tt = {s} m"), "%")).to_vec(),
+        columns: SEPARATIONS_M.map(|s| Column::new(&format!("cars {s} m apart"), "%")).to_vec(),
         rows,
     }
 }
