@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::process::arguments::{AgentArguments, WorldArguments, speed};
 use crate::process::spawn::SpawnArguments;
+use crate::scenario::shipped;
 use crate::tools::doctor::DoctorArguments;
 use crate::tools::echo::EchoArguments;
 use crate::watch::arguments::WatchArguments;
@@ -77,13 +78,15 @@ pub enum Command {
 /// Which scenario.
 #[derive(Debug, Clone, Args)]
 pub struct ScenarioArguments {
-    /// A shipped scenario (city, helsinki-05, helsinki-17) or a TOML file [default: city]
+    /// A shipped scenario or a TOML file.
+    #[arg(help = shipped::scenario_help())]
     pub scenario: Option<String>,
     /// Change one value, such as agents.count=6; may be repeated, later ones win
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub sets: Vec<String>,
     /// What every random stream of the mission is derived from
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: Option<u64>,
 }
 
@@ -129,8 +132,8 @@ pub struct ReplayArguments {
 #[derive(Debug, Clone, Args)]
 #[command(after_help = SWEEP_HELP)]
 pub struct SweepArguments {
-    /// A shipped scenario (city, helsinki-05, helsinki-17) or a TOML file [default: city]
-    #[arg(conflicts_with = "merge")]
+    /// A shipped scenario or a TOML file.
+    #[arg(help = shipped::scenario_help(), conflicts_with = "merge")]
     pub scenario: Option<String>,
     /// Values of a key, separated by commas; may be repeated for every combination
     #[arg(long, value_name = "KEY=A,B,C", conflicts_with = "merge")]
@@ -209,11 +212,11 @@ pub struct ReproduceArguments {
 /// Published results that can be made again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Published {
-    /// Thesis §5.4: five criteria, ten missions of 300 s each (17 minutes of one core)
+    /// Thesis §5.4: five criteria, ten missions of 300 s each (9 minutes of one core)
     Chapter5,
-    /// The paper's table I: three criteria, ten missions of 300 s each (10 minutes of one core)
+    /// The paper's table I: three criteria, ten missions of 300 s each (6 minutes of one core)
     Table1,
-    /// Thesis §4.7 and A.1.4: one look of one UAV at five cars (seconds)
+    /// Thesis §4.7 and A.1.4: one look of one UAV at five cars (2 minutes of one core)
     Chapter4,
 }
 

@@ -1,7 +1,7 @@
 //! Logs: warnings on stderr, more in the run folder.
 
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use tracing_subscriber::EnvFilter;
@@ -12,6 +12,10 @@ use tracing_subscriber::util::SubscriberInitExt;
 
 use crate::progress::Progress;
 use crate::stages::StageLayer;
+
+/// What stderr gets by default. Zenoh's orchestrator warns of endpoints that cannot be had, with places in
+/// its source; whoever opens a session says the same in csat's words.
+const DEFAULT: &str = "warn,zenoh::net::runtime::orchestrator=error";
 
 /// Where logs go. Clones share their targets.
 #[derive(Debug, Clone, Default)]
@@ -24,11 +28,16 @@ impl Logs {
     /// Makes this the process's log; `RUST_LOG` chooses what stderr gets (default: warnings).
     pub fn install() -> Self {
         let logs = Self::default();
-        let filter =
-            EnvFilter::builder().with_default_directive(LevelFilter::WARN.into()).from_env_lossy();
+        let filter = match std::env::var("RUST_LOG") {
+            Ok(chosen) => EnvFilter::builder()
+                .with_default_directive(LevelFilter::WARN.into())
+                .parse_lossy(chosen),
+            Err(_) => EnvFilter::new(DEFAULT),
+        };
         let terminal = tracing_subscriber::fmt::layer()
             .without_time()
             .with_target(false)
+            .with_ansi(io::stderr().is_terminal())
             .with_writer(Terminal(logs.progress.clone()))
             .with_filter(filter);
         let file = tracing_subscriber::fmt::layer()

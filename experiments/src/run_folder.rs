@@ -101,6 +101,9 @@ impl RunFolder {
             Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
             _ => PathBuf::from("."),
         };
+        if let Some(file) = parent.ancestors().find(|path| path.exists() && !path.is_dir()) {
+            return Err(FolderError::NotAFolder(file.to_owned()));
+        }
         fs::create_dir_all(&parent).map_err(FolderError::io("create", &parent))?;
         let name = last.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let partial = parent.join(format!(".{name}.partial-{}", std::process::id()));
@@ -110,6 +113,15 @@ impl RunFolder {
         }
         fs::create_dir(&partial).map_err(FolderError::io("create", &partial))?;
         Ok(Self { destination, partial })
+    }
+
+    /// Whether a folder could be started now.
+    ///
+    /// # Errors
+    /// As [`Self::create`].
+    pub fn try_out(destination: Destination) -> Result<(), FolderError> {
+        let folder = Self::create(destination)?;
+        fs::remove_dir(&folder.partial).map_err(FolderError::io("remove", &folder.partial))
     }
 
     /// Where files are while the run lasts.

@@ -13,18 +13,26 @@ use csat_experiments::process::arguments::{AgentArguments, WorldArguments};
 use csat_experiments::process::leash;
 use csat_experiments::process::spawn::{self, SpawnArguments};
 use csat_experiments::process::world;
+use csat_experiments::run_folder::RunFolder;
 use csat_experiments::verdict::{BAD_INPUT, DONE};
 use csat_experiments::wire::session::{self, Role};
 
 /// `csat spawn`.
 pub fn spawn(arguments: &SpawnArguments) -> anyhow::Result<u8> {
-    match super::load(&arguments.run.scenario) {
-        Ok(loaded) => Ok(spawn::spawn(arguments, &loaded)?),
+    let loaded = match super::load_to_fly(&arguments.run) {
+        Ok(loaded) => loaded,
         Err(mistakes) => {
             eprintln!("{mistakes}");
-            Ok(BAD_INPUT)
+            return Ok(BAD_INPUT);
         }
+    };
+    // The world makes the folder. Should it be refused, no process need be started to find out.
+    if let Err(error) =
+        RunFolder::try_out(super::destination(arguments.run.out.as_deref(), &loaded))
+    {
+        return super::refuse_folder(error);
     }
+    Ok(spawn::spawn(arguments, &loaded)?)
 }
 
 /// `csat world`.

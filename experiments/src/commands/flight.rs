@@ -118,6 +118,10 @@ pub fn judge(result: anyhow::Result<u8>) -> anyhow::Result<u8> {
             eprintln!("{error}");
             Ok(BAD_INPUT)
         }
+        Err(Ok(error @ SweepError::Unreadable { .. })) => {
+            eprintln!("error: {error}");
+            Ok(BAD_INPUT)
+        }
         Err(Ok(error)) => Err(error.into()),
         Err(Err(error)) => Err(error),
     }

@@ -19,7 +19,7 @@ use anyhow::Context;
 use csat_experiments::cli::{RunArguments, ScenarioArguments};
 use csat_experiments::logs::Logs;
 use csat_experiments::mission::{self, Audience, RunOptions};
-use csat_experiments::plot;
+use csat_experiments::plot::{self, PlotError};
 use csat_experiments::record::{Finished, Outcome, RecordError, RecordOptions, Recorder};
 use csat_experiments::run_folder::{Destination, FolderError};
 use csat_experiments::scenario::{self, Loaded, Mistakes, Request};
@@ -45,7 +45,7 @@ pub fn check(arguments: &ScenarioArguments) -> anyhow::Result<u8> {
     let loaded = match load(arguments) {
         Ok(loaded) => loaded,
         Err(mistakes) => {
-            eprintln!("{mistakes}");
+            eprintln!("{}", mistakes.describe());
             return Ok(BAD_INPUT);
         }
     };
@@ -55,21 +55,21 @@ pub fn check(arguments: &ScenarioArguments) -> anyhow::Result<u8> {
     let scenario = &loaded.scenario;
     let warnings = match loaded.warnings.len() {
         0 => String::new(),
-        count => format!(", {}", warnings(count)),
+        count => format!(", {}", counted(count, "warning")),
     };
     say(&format!(
-        "{}: no mistakes{warnings}: {} UAVs, {} targets, {} buildings, {} s\n",
+        "{}: no mistakes{warnings}: {}, {}, {}, {} s\n",
         loaded.name,
-        scenario.agents.count,
-        scenario.targets.count,
-        loaded.world.obstacles().len(),
+        counted(usize::from(scenario.agents.count), "UAV"),
+        counted(usize::from(scenario.targets.count), "target"),
+        counted(loaded.world.obstacles().len(), "building"),
         scenario.run.duration_s
     ))?;
     Ok(DONE)
 }
 
-fn warnings(count: usize) -> String {
-    if count == 1 { "1 warning".to_owned() } else { format!("{count} warnings") }
+fn counted(count: usize, thing: &str) -> String {
+    if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }
 
 /// `csat run`.
@@ -80,6 +80,20 @@ pub fn run(arguments: &RunArguments, logs: &Logs) -> anyhow::Result<u8> {
     })
 }
 
+/// Loads a scenario that is to be flown. `--record 5` reads as `--record` and a scenario called 5.
+fn load_to_fly(arguments: &RunArguments) -> Result<Loaded, Mistakes> {
+    let mut result = load(&arguments.scenario);
+    let name = arguments.scenario.scenario.as_deref().unwrap_or_default();
+    if let Err(wrong) = &mut result
+        && arguments.record.is_some()
+        && name.parse::<f64>().is_ok()
+        && let Some(first) = wrong.mistakes.first_mut()
+    {
+        first.help = Some(format!("did you mean `--record={name}`?"));
+    }
+    result
+}
+
 /// Loads a scenario, lets `fly` fly it and writes that down; its audience makes the recording, if
 /// one was asked for.
 fn record(
@@ -87,7 +101,7 @@ fn record(
     logs: &Logs,
     fly: impl FnOnce(Loaded, &mut Recorder, &mut dyn Audience<SetMembership>) -> anyhow::Result<Outcome>,
 ) -> anyhow::Result<u8> {
-    let loaded = match load(&arguments.scenario) {
+    let loaded = match load_to_fly(arguments) {
         Ok(loaded) => loaded,
         Err(mistakes) => {
             eprintln!("{mistakes}");
@@ -104,26 +118,22 @@ fn record(
     let options = RecordOptions { destination, quiet: arguments.json };
     let mut recorder = match Recorder::create(&loaded, &options) {
         Ok(recorder) => recorder,
-        Err(RecordError::Folder(
-            error @ (FolderError::NotEmpty(_)
-            | FolderError::NotAFolder(_)
-            | FolderError::Nameless(_)),
-        )) => {
-            eprintln!("error: {error}\n  = expected with --out a folder that is new or empty");
-            return Ok(BAD_INPUT);
-        }
+        Err(RecordError::Folder(error)) => return refuse_folder(error),
         Err(error) => return Err(error.into()),
     };
     let partial = recorder.partial_folder().to_owned();
     let log = partial.join("csat.log");
-    logs.attach(File::create(&log).with_context(|| format!("cannot create `{}`", log.display()))?);
+    let mut file =
+        File::create(&log).with_context(|| format!("cannot create `{}`", log.display()))?;
+    for warning in &loaded.warnings {
+        writeln!(file, "{}", warning.render("warning"))
+            .with_context(|| format!("cannot write `{}`", log.display()))?;
+    }
+    logs.attach(file);
     logs.share_terminal(recorder.progress().clone());
     if !loaded.warnings.is_empty() && !arguments.json {
-        let count = warnings(loaded.warnings.len());
+        let count = counted(loaded.warnings.len(), "warning");
         eprintln!("{count}, in full in csat.log and from `csat check`");
-    }
-    for warning in &loaded.warnings {
-        tracing::info!("{}", warning.render("warning").trim_end());
     }
     let mut recording = arguments
         .record
@@ -144,6 +154,15 @@ fn record(
             )
         })?;
     report(&finished, recorded_bytes, arguments.json)
+}
+
+/// Says why a run folder cannot be had: because of what the user asked for, or of the system.
+fn refuse_folder(error: FolderError) -> anyhow::Result<u8> {
+    if matches!(error, FolderError::Io { .. }) {
+        return Err(error.into());
+    }
+    eprintln!("error: {error}\n  = expected with --out a folder that is new or empty");
+    Ok(BAD_INPUT)
 }
 
 fn destination(out: Option<&Path>, loaded: &Loaded) -> Destination {
@@ -200,7 +219,14 @@ fn say(text: &str) -> anyhow::Result<()> {
 
 /// `csat plot`.
 pub fn plot(dir: &Path) -> anyhow::Result<u8> {
-    let pictures = plot::redraw(dir)?;
+    let pictures = match plot::redraw(dir) {
+        Ok(pictures) => pictures,
+        Err(error @ PlotError::Read { .. }) => {
+            eprintln!("error: {error}");
+            return Ok(BAD_INPUT);
+        }
+        Err(error) => return Err(error.into()),
+    };
     say(&pictures.map(|path| format!("{}\n", path.display())).concat())?;
     Ok(DONE)
 }

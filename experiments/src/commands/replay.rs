@@ -9,7 +9,7 @@ use csat_experiments::show::read::{self, Film};
 use csat_experiments::show::replay::play;
 use csat_experiments::show::truth;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED};
-use csat_experiments::wire::session::{self, Role};
+use csat_experiments::wire::session::{self, Role, WireArguments};
 use csat_proto::keys::Keys;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use zenoh::bytes::Encoding;
@@ -30,14 +30,18 @@ pub fn replay(arguments: &ReplayArguments) -> anyhow::Result<u8> {
     }
     let interrupted = super::interrupted_by_the_user()?;
     // It stands in for the world: others connect to it.
-    let session = match session::open(&arguments.wire, Role::World) {
+    let listen = arguments.wire.listen.iter().map(|endpoint| session::with_a_port(endpoint));
+    let wire = WireArguments { listen: listen.collect(), ..arguments.wire.clone() };
+    let session = match session::open(&wire, Role::World) {
         Ok(session) => session,
         Err(error) => {
             eprintln!("error: {error}");
             return Ok(BAD_INPUT);
         }
     };
-    let has_ended = show(&film, arguments, &session, || !interrupted.load(Ordering::SeqCst));
+    let endpoints = session::listened(&wire, Role::World);
+    let has_ended =
+        show(&film, arguments, &endpoints, &session, || !interrupted.load(Ordering::SeqCst));
     session::close(session);
     // Whoever plays it forever ends it so.
     Ok(if has_ended? || arguments.repeat { DONE } else { INTERRUPTED })
@@ -47,15 +51,20 @@ pub fn replay(arguments: &ReplayArguments) -> anyhow::Result<u8> {
 fn show(
     film: &Film,
     arguments: &ReplayArguments,
+    endpoints: &[String],
     session: &Session,
     goes_on: impl Fn() -> bool,
 ) -> anyhow::Result<bool> {
     let keys = Keys(film.run);
     eprintln!(
-        "playing {} with seed {} under {}",
+        "playing {} with seed {} under {}{}",
         film.scenario,
         film.run,
-        keys.of("view/** and truth/**")
+        keys.of("view/** and truth/**"),
+        endpoints.first().map_or_else(String::new, |endpoint| format!(
+            " on {}; look on with `csat watch --connect {endpoint}`",
+            endpoints.join(", ")
+        ))
     );
     let town = film.documents.iter().find(|r| r.document.topic == truth::TOWN);
     let _town = town.map(|town| answer(session, keys, &town.document)).transpose()?;

@@ -171,7 +171,16 @@ impl SweepFolder {
     /// # Errors
     /// When there is none, or it is none.
     pub fn manifest(&self) -> Result<Manifest, SweepError> {
-        read_json(&self.root.join(MANIFEST), "the manifest of a sweep")
+        let path = self.root.join(MANIFEST);
+        if !path.exists() {
+            let folder = self.root.display();
+            let text = format!(
+                "error: there is no sweep in `{folder}`\n  = expected the folder of a sweep, with its \
+                 {MANIFEST}"
+            );
+            return Err(SweepError::Refused(text));
+        }
+        read_json(&path, "the manifest of a sweep")
     }
 
     /// The path of a run's file.

@@ -1,5 +1,6 @@
 //! Opening a Zenoh session: endpoints given by the user, no multicast, no surprises.
 
+use std::net::TcpListener;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -66,7 +67,8 @@ pub enum WireError {
     },
     /// The session does not open.
     #[error(
-        "cannot open a Zenoh session that listens on {listen} and connects to {connect}: {reason}\n  = expected free ports; another program, or another fleet, may listen there"
+        "cannot open a Zenoh session that listens on {listen} and connects to {connect}: {reason}\n  = expected {}",
+        expected(.reason)
     )]
     Open {
         /// Endpoints.
@@ -76,6 +78,15 @@ pub enum WireError {
         /// What Zenoh says.
         reason: String,
     },
+}
+
+/// What would do instead of endpoints that cannot be had.
+fn expected(reason: &str) -> &'static str {
+    if reason.contains("lookup") || reason.contains("resol") {
+        "addresses of this computer, or names that it can look up"
+    } else {
+        "free ports; another program, or another fleet, may listen there"
+    }
 }
 
 /// Opens a session.
@@ -108,6 +119,23 @@ pub fn close(session: Session) {
 pub fn shown_endpoints(arguments: &WireArguments, role: Role) -> String {
     let config = config(arguments, role).ok();
     config.and_then(|config| config.get_json("connect/endpoints").ok()).unwrap_or_default()
+}
+
+/// Where a session with these arguments listens.
+pub fn listened(arguments: &WireArguments, role: Role) -> Vec<String> {
+    let config = config(arguments, role).ok();
+    let list = config.and_then(|config| config.get_json("listen/endpoints").ok());
+    list.and_then(|list| serde_json::from_str(&list).ok()).unwrap_or_default()
+}
+
+/// An endpoint on any free port with a port that is free now, so that it can be told to others; any
+/// other endpoint as it is.
+pub fn with_a_port(endpoint: &str) -> String {
+    let free = |address: &str| TcpListener::bind(address).ok()?.local_addr().ok();
+    let Some(address) = endpoint.strip_prefix("tcp/").filter(|a| a.ends_with(":0")) else {
+        return endpoint.to_owned();
+    };
+    free(address).map_or_else(|| endpoint.to_owned(), |free| format!("tcp/{free}"))
 }
 
 /// The configuration of a session.
@@ -210,6 +238,14 @@ mod tests {
             assert_eq!(endpoints_of(&config, "listen/endpoints"), listen, "{role:?}");
             assert_eq!(config.get_json("scouting/multicast/enabled").unwrap(), "false");
         }
+    }
+
+    #[test]
+    fn a_free_port_can_be_told() {
+        let endpoint = with_a_port("tcp/127.0.0.1:0");
+        assert!(endpoint.starts_with("tcp/127.0.0.1:") && !endpoint.ends_with(":0"), "{endpoint}");
+        assert_eq!(with_a_port("tcp/127.0.0.1:7447"), "tcp/127.0.0.1:7447");
+        assert_eq!(listened(&WireArguments::default(), Role::World), [DEFAULT_ENDPOINT]);
     }
 
     #[test]
