@@ -103,8 +103,8 @@ fn documented_defaults_are_those_of_the_program() {
         if heading.starts_with("[[") || heading.contains("model") {
             continue;
         }
-        let parts = path.split('.').filter(|part| !part.is_empty());
-        let table = parts.fold(Some(&whole), |table, part| table?.get(part)?.as_table()).unwrap();
+        let mut parts = path.split('.').filter(|part| !part.is_empty());
+        let table = parts.try_fold(&whole, |table, part| table.get(part)?.as_table()).unwrap();
         for (key, default) in keys {
             let documented = toml::from_str::<toml::Table>(&format!("x = {default}"));
             match (table.get(&key), documented) {

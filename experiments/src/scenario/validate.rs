@@ -343,6 +343,7 @@ fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>)
         &got,
         "1 to 32 angles from -180 to 180 degrees",
     );
+    let n_mpc = guidance.n_mpc;
     let sequences = increments.len().saturating_pow(n_mpc.into());
     check.that(
         sequences <= MAX_SEQUENCES || !(1..=6).contains(&n_mpc),
