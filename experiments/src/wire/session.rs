@@ -82,7 +82,7 @@ pub enum WireError {
 
 /// What would do instead of endpoints that cannot be had.
 fn expected(reason: &str) -> &'static str {
-    if reason.contains("lookup") || reason.contains("resol") {
+    if ["lookup", "resol", "assign"].iter().any(|word| reason.contains(word)) {
         "addresses of this computer, or names that it can look up"
     } else {
         "free ports; another program, or another fleet, may listen there"
