@@ -11,7 +11,7 @@ use crate::plot;
 use crate::progress::Progress;
 use crate::provenance::Provenance;
 use crate::run_folder::{Destination, FolderError, PartialFile, RunFolder};
-use crate::scenario::{Loaded, Scenario};
+use crate::scenario::{Loaded, MAP_FILE};
 use crate::series::{Point, Series};
 use crate::summary::{Messages, Summary};
 use crate::timing::{Stopwatch, Timing};
@@ -38,9 +38,6 @@ pub enum RecordError {
     #[error("cannot draw: {0}")]
     Plot(#[from] plot::PlotError),
 }
-
-/// The town of a run whose map is not a shipped one.
-const MAP_FILE: &str = "map.geojson";
 
 /// Where and how to record.
 #[derive(Debug, Clone)]
@@ -112,7 +109,10 @@ impl Recorder {
     pub fn create(loaded: &Loaded, options: &RecordOptions) -> Result<Self, RecordError> {
         let scenario = &loaded.scenario;
         let folder = RunFolder::create(options.destination.clone())?;
-        folder.write("scenario.resolved.toml", &keep_map(&folder, loaded)?.to_toml())?;
+        folder.write("scenario.resolved.toml", &loaded.kept().to_toml())?;
+        if let Some(map) = loaded.own_map() {
+            folder.write(MAP_FILE, &map.text)?;
+        }
         let attribution = loaded.world.map().attribution.clone();
         let provenance = Provenance::collect(&loaded.name, scenario.seed, attribution);
         folder.write("provenance.json", &(serde_json::to_string_pretty(&provenance)? + "\n"))?;
@@ -225,17 +225,6 @@ impl Recorder {
     fn csv_error(&self, error: csv::Error) -> RecordError {
         RecordError::Csv { path: self.folder.partial().join("metrics.csv"), error }
     }
-}
-
-/// A map of the user's own goes into the folder, and the scenario names it there: whoever flies the run
-/// again flies the same town, however the file was edited since and wherever the folder went.
-fn keep_map(folder: &RunFolder, loaded: &Loaded) -> Result<Scenario, FolderError> {
-    let mut scenario = loaded.scenario.clone();
-    if let Some(map) = loaded.map.as_ref().filter(|map| !map.is_shipped) {
-        folder.write(MAP_FILE, &map.text)?;
-        scenario.map.file = Some(MAP_FILE.into());
-    }
-    Ok(scenario)
 }
 
 fn links_csv(rows: &[LinkRow]) -> Result<String, RecordError> {

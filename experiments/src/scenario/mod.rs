@@ -175,7 +175,25 @@ pub struct Loaded {
     tree: tree::Table,
 }
 
+/// What a run folder calls a map of the user's own.
+pub const MAP_FILE: &str = "map.geojson";
+
 impl Loaded {
+    /// The map, if it is not a shipped one.
+    pub fn own_map(&self) -> Option<&MapText> {
+        self.map.as_ref().filter(|map| !map.is_shipped)
+    }
+
+    /// The scenario as a run folder keeps it, with the map beside it: whoever flies the run again flies
+    /// over the same town, however the file was edited since and wherever the folder went.
+    pub fn kept(&self) -> Scenario {
+        let mut scenario = self.scenario.clone();
+        if self.own_map().is_some() {
+            scenario.map.file = Some(MAP_FILE.into());
+        }
+        scenario
+    }
+
     /// Where a dotted key, or else the nearest table around it, was written. For mistakes that show
     /// only later, such as a map without room for the cars.
     pub fn place(&self, key: &str) -> Option<Place> {

@@ -78,7 +78,7 @@ impl<M: Mission> Recording<M> {
         ];
         let facts = facts.map(|(key, value)| (key.to_owned(), value));
         tape.describe(METADATA, BTreeMap::from(facts))?;
-        tape.attach("scenario.resolved.toml", "application/toml", &scenario.to_toml())?;
+        tape.attach("scenario.resolved.toml", "application/toml", &loaded.kept().to_toml())?;
         tape.document(truth::TOWN, 0, &truth::town(name, scenario, world))?;
         tape.message("/map/town", 0, &map::town(world))?;
         tape.message("/scene/town", 0, &scene::town(world))?;
