@@ -66,6 +66,12 @@ pub struct Channels {
 }
 
 impl AgentConfig {
+    /// How many steps it takes until `seconds` are over, as many as can be counted at most.
+    pub fn steps(&self, seconds: f64) -> u32 {
+        // The conversion saturates.
+        (seconds / self.period_s).ceil() as u32
+    }
+
     /// The grid of the coarse sets: hidden ground and planning.
     pub fn raster_grid(&self) -> Grid {
         Grid::covering(&self.ground, self.estimator.raster_cell_m)
@@ -260,5 +266,34 @@ impl Default for ExchangeConfig {
             clock_skew_s: 0.0,
             max_vertices: 50_000,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn config(period_s: f64) -> AgentConfig {
+        AgentConfig {
+            run: RunId(0),
+            id: AgentId(0),
+            incarnation: Incarnation(0),
+            period_s,
+            ground: Ground { size_m: [100.0; 2] },
+            targets: TargetsModel::default(),
+            fleet: FleetModel::default(),
+            camera: CameraModel::default(),
+            estimator: EstimatorConfig::default(),
+            guidance: GuidanceConfig::default(),
+            exchange: ExchangeConfig::default(),
+            channels: Channels::default(),
+        }
+    }
+
+    #[test]
+    fn times_of_any_length_are_counted_in_steps() {
+        let steps = |seconds| config(0.5).steps(seconds);
+        assert_eq!([0.0, 0.1, 0.5, 10.0, 10.1].map(steps), [0, 1, 1, 20, 21]);
+        assert_eq!([1e12, 1e30, f64::INFINITY].map(steps), [u32::MAX; 3]);
     }
 }

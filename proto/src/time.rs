@@ -9,6 +9,13 @@ use serde::{Deserialize, Serialize};
 #[serde(transparent)]
 pub struct Step(pub u32);
 
+impl Step {
+    /// The step that is `steps` later; the last one there is, if there are not so many.
+    pub fn after(self, steps: u32) -> Self {
+        Self(self.0.saturating_add(steps))
+    }
+}
+
 impl std::fmt::Display for Step {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         self.0.fmt(f)
@@ -40,6 +47,6 @@ impl SimTime {
 
     /// The instant `seconds` later.
     pub fn after(self, seconds: f64) -> Self {
-        Self(self.0 + Self::from_seconds(seconds).0)
+        Self(self.0.saturating_add(Self::from_seconds(seconds).0))
     }
 }

@@ -39,7 +39,7 @@ impl Life {
 impl Held {
     /// Nothing.
     pub fn new(config: &AgentConfig) -> Self {
-        let window = (config.exchange.max_age_s / config.period_s).ceil().max(1.0) as usize + 2;
+        let window = config.steps(config.exchange.max_age_s).max(1) as usize + 2;
         Self { lives: BTreeMap::new(), window }
     }
 

@@ -134,9 +134,8 @@ impl Inbox {
 
     /// As many facts as the fleet can have stated within the accepted age, one per neighbour and step.
     fn capacity(&self) -> usize {
-        let AgentConfig { exchange, period_s, fleet, .. } = &self.config;
-        let steps = (exchange.max_age_s / period_s).ceil().max(1.0) as usize + 1;
-        steps * usize::from(fleet.count)
+        let steps = self.config.steps(self.config.exchange.max_age_s).max(1) as usize + 1;
+        steps.saturating_mul(usize::from(self.config.fleet.count))
     }
 
     /// Whether anything waits that can be applied at `now`.

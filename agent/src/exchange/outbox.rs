@@ -121,9 +121,10 @@ impl Outbox {
         let mut said = if wanted { self.say_snapshot(account, &fact) } else { None };
         if said.is_some() {
             repair.snapshot_said(account.step);
-            self.next_snapshot = self.in_steps(account.step, snapshot_period_s);
+            let period = self.config.steps(snapshot_period_s).max(1);
+            self.next_snapshot = account.step.after(period);
         } else if wanted {
-            self.next_snapshot = self.next_snapshot.max(Step(account.step.0 + RETRY_STEPS));
+            self.next_snapshot = self.next_snapshot.max(account.step.after(RETRY_STEPS));
         }
         let limit = match mode {
             ExchangeMode::FactsRepair => self.credit.min(FACT_SHARE * allowance),
@@ -282,10 +283,6 @@ impl Outbox {
             pose,
             body,
         }
-    }
-
-    fn in_steps(&self, now: Step, seconds: f64) -> Step {
-        Step(now.0 + (seconds / self.config.period_s).round().max(1.0) as u32)
     }
 }
 

@@ -47,7 +47,7 @@ pub struct Repair {
 impl Repair {
     /// Nobody was heard yet.
     pub fn new(config: &AgentConfig) -> Self {
-        let steps = |seconds: f64| (seconds / config.period_s).ceil().max(1.0) as u32;
+        let steps = |seconds| config.steps(seconds).max(1);
         Self {
             own: config.id,
             fleet: config.fleet.count,
@@ -68,7 +68,7 @@ impl Repair {
         self.map.clone_from(map);
         self.told = Some((now, oem.clone()));
         self.past.push_back((now, facts.clone()));
-        while self.past.get(1).is_some_and(|(step, _)| step.0.saturating_add(self.delay) <= now.0) {
+        while self.past.get(1).is_some_and(|(step, _)| step.after(self.delay) <= now) {
             self.past.pop_front();
         }
         Digest { facts, oem }
@@ -76,7 +76,7 @@ impl Repair {
 
     /// A neighbour's digest of step `then` came at step `now`.
     pub fn hear(&mut self, now: Step, from: AgentId, then: Step, digest: &Digest) {
-        let answer_at = Step(now.0 + self.turn(from) * TURN_STEPS);
+        let answer_at = now.after(self.turn(from) * TURN_STEPS);
         if self.lacks_facts(now, from, digest) {
             self.lacking.entry(from).or_insert(answer_at);
         } else {
@@ -94,7 +94,7 @@ impl Repair {
         let agrees = |block: &usize| heard.contains(block) && !differing.contains(block);
         self.blocks.retain(|(who, block), _| *who != from || !agrees(block));
         for block in differing {
-            self.blocks.entry((from, block)).or_insert(Step(answer_at.0 + self.delay));
+            self.blocks.entry((from, block)).or_insert(answer_at.after(self.delay));
         }
     }
 
@@ -107,15 +107,14 @@ impl Repair {
 
     /// A snapshot was said at `now`: it helps everybody who hears it.
     pub fn snapshot_said(&mut self, now: Step) {
-        self.next = Step(now.0 + self.period);
+        self.next = now.after(self.period);
         self.lacking.clear();
     }
 
     /// Somebody else said a snapshot: wait and see whether it helped.
     pub fn snapshot_heard(&mut self, now: Step) {
-        let answer_at = |from: AgentId| now.0 + self.delay + self.turn(from) * TURN_STEPS;
-        let later: Vec<_> =
-            self.lacking.keys().map(|&from| (from, Step(answer_at(from)))).collect();
+        let answer_at = |from| now.after(self.delay).after(self.turn(from) * TURN_STEPS);
+        let later: Vec<_> = self.lacking.keys().map(|&from| (from, answer_at(from))).collect();
         self.lacking.extend(later);
     }
 
@@ -133,7 +132,7 @@ impl Repair {
         if is_on(Mutant::MapNeverRepaired) {
             return BTreeSet::new();
         }
-        let again = Step(now.0 + self.period);
+        let again = now.after(self.period);
         for ((_, block), at) in &mut self.blocks {
             if due.contains(block) {
                 *at = again;
@@ -146,7 +145,7 @@ impl Repair {
     /// when the oldest of them was sent. How many facts it is behind does not tell: of a life that is
     /// over there are no more to come, and the last ones may be all that it lacks.
     fn lacks_facts(&self, now: Step, from: AgentId, digest: &Digest) -> bool {
-        let is_old = |(step, _): &&(Step, _)| step.0.saturating_add(self.delay) <= now.0;
+        let is_old = |(step, _): &&(Step, _)| step.after(self.delay) <= now;
         let held = self.past.front().filter(is_old).into_iter().flat_map(|(_, facts)| facts);
         held.filter(|facts| facts.origin != from).any(|ours| {
             let key = (ours.origin, ours.incarnation);

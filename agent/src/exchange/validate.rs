@@ -200,8 +200,8 @@ fn check_header(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<
         return Err(Rejection::Run);
     }
     // A neighbour may already be in the step that this agent's next frame begins.
-    let ahead = 1 + (config.exchange.clock_skew_s / config.period_s).ceil() as u32;
-    if envelope.step.0 > now.0.saturating_add(ahead) {
+    let ahead = config.steps(config.exchange.clock_skew_s).saturating_add(1);
+    if envelope.step > now.after(ahead) {
         return Err(Rejection::Future { got: envelope.step.0, now: now.0 });
     }
     let age_s = f64::from(now.0.saturating_sub(envelope.step.0)) * config.period_s;

@@ -35,6 +35,8 @@ const MAX_SEQUENCES: usize = 1_000_000;
 const MAX_CELLS: f64 = 16_777_216.0;
 /// The most pixels of an image.
 const MAX_PIXELS: usize = 16_777_216;
+/// The longest mission, and the longest that anything in it may take, seconds.
+const MAX_TIME_S: f64 = 1e6;
 
 /// The keys of whole numbers with what they may be: said in the same words to whoever writes 0, -1, 1.5
 /// and a million.
@@ -113,6 +115,13 @@ impl Check {
         self.that(holds, &[key], &value.to_string(), "0 or a number above it");
     }
 
+    /// A time from 0 on.
+    fn time(&mut self, key: &'static str, value_s: f64) {
+        let holds = (0.0..=MAX_TIME_S).contains(&value_s);
+        let expected = format!("a time from 0 to {MAX_TIME_S} s");
+        self.that(holds, &[key], &value_s.to_string(), &expected);
+    }
+
     /// Demands a value of [`WHOLE_NUMBERS`].
     fn whole(&mut self, key: &'static str, value: impl Into<u64>) {
         let (value, expected) = (value.into(), whole_number(key).unwrap_or("a whole number"));
@@ -130,8 +139,8 @@ impl Check {
 /// mistake is not to be reported thrice.
 fn run(check: &mut Check, run: &RunConfig) -> Option<f64> {
     check.positive("run.period_s", run.period_s);
-    let holds = run.duration_s >= run.period_s && run.duration_s <= 1e6;
-    let expected = format!("at least one period, {} s, and at most 1000000 s", run.period_s);
+    let holds = run.duration_s >= run.period_s && run.duration_s <= MAX_TIME_S;
+    let expected = format!("at least one period, {} s, and at most {MAX_TIME_S} s", run.period_s);
     check.that(holds, &["run.duration_s"], &run.duration_s.to_string(), &expected);
     let flown_s = run.period_s * f64::from(run.steps());
     if holds && (run.duration_s - flown_s).abs() > 1e-6 {
@@ -299,6 +308,7 @@ fn estimator(check: &mut Check, estimator: &EstimatorConfig, size_m: [f64; 2]) {
         "an even number from 4 to 256",
     );
     check.not_negative("estimator.simplify_m", estimator.simplify_m);
+    check.not_negative("estimator.simplify_margin_m", estimator.simplify_margin_m);
     check.not_negative("estimator.outline_tolerance_px", estimator.outline_tolerance_px);
     let cells = [
         ("estimator.raster_cell_m", estimator.raster_cell_m),

@@ -3,6 +3,7 @@
 use csat_agent::config::ExchangeMode;
 use csat_proto::agent::Agent;
 use csat_proto::ids::AgentId;
+use csat_proto::message::Message;
 use csat_tests::pair::{Letter, silence};
 
 use super::letters::{digest, flight, unread_fact};
@@ -66,6 +67,24 @@ fn every_way_to_lose_a_letter_keeps_the_guarantee() {
             assert!(rejected.is_empty(), "{what}, {mode:?}: {rejected:?}");
         }
     }
+}
+
+/// What nobody can wait for never comes; it does not come at every step either.
+#[test]
+fn times_beyond_all_steps_are_endless() {
+    let mut scenario = csat_tests::missions::small(5, 120.0, 2);
+    scenario.exchange.max_age_s = 1e30;
+    scenario.exchange.snapshot_period_s = 1e30;
+    let mut flight = csat_tests::flight::Flight::new(&scenario);
+    flight.pair.keep_letters();
+    for _ in 0..10 {
+        flight.step();
+        let digests = flight.pair.digests();
+        assert_eq!(digests[0], digests[1], "what is said is believed");
+    }
+    let is_snapshot = |l: &&Letter| matches!(super::letters::body(l), Message::Snapshot(_));
+    assert_eq!(flight.pair.letters.iter().filter(is_snapshot).count(), 2, "each agent's first");
+    assert!(flight.pair.agents.iter().all(|agent| agent.rejected().is_empty()));
 }
 
 /// A deaf agent is as good as one alone: nothing but its own frames decides what it knows.

@@ -4,7 +4,7 @@ use csat_agent::config::{ChannelNames, ExchangeConfig};
 use csat_netem::config::{NetemConfig, RADIO};
 
 use super::super::mistake::{Mistake, did_you_mean};
-use super::{Check, Issue};
+use super::{Check, Issue, MAX_TIME_S};
 
 /// The least a budget may be, bytes per second: below, not even flight plans fit.
 const LEAST_BUDGET_BYTES_S: f64 = 50.0;
@@ -22,13 +22,13 @@ pub(super) fn judge(
         ("exchange.repair_period_s", exchange.repair_period_s),
     ] {
         check.that(
-            between >= shortest && between.is_finite(),
+            (shortest..=MAX_TIME_S).contains(&between),
             &[key, "run.period_s"],
             &between.to_string(),
-            &format!("at least run.period_s = {shortest} s"),
+            &format!("at least run.period_s = {shortest} s and at most {MAX_TIME_S} s"),
         );
     }
-    check.not_negative("exchange.repair_delay_s", exchange.repair_delay_s);
+    check.time("exchange.repair_delay_s", exchange.repair_delay_s);
     let budget = exchange.budget_bytes_s;
     check.that(
         budget >= LEAST_BUDGET_BYTES_S,
@@ -36,8 +36,14 @@ pub(super) fn judge(
         &budget.to_string(),
         &format!("at least {LEAST_BUDGET_BYTES_S} bytes per second, or inf for no limit"),
     );
-    check.positive("exchange.max_age_s", exchange.max_age_s);
-    check.not_negative("exchange.clock_skew_s", exchange.clock_skew_s);
+    let max_age_s = exchange.max_age_s;
+    check.that(
+        max_age_s > 0.0 && max_age_s <= MAX_TIME_S,
+        &["exchange.max_age_s"],
+        &max_age_s.to_string(),
+        &format!("a time above 0 and up to {MAX_TIME_S} s"),
+    );
+    check.time("exchange.clock_skew_s", exchange.clock_skew_s);
     check.whole("exchange.max_vertices", exchange.max_vertices);
     let names: Vec<String> = netem.channel_names().map(|name| format!("`{name}`")).collect();
     let expected = format!("a radio of [netem]: {}", names.join(", "));
