@@ -201,7 +201,7 @@ impl SetMembershipAgent {
                 self.held.adopt(&h.fact.held.facts);
                 self.repair.snapshot_heard(step);
             }
-            self.repair.hear(step, h.src, h.fact.step, &h.fact.held);
+            self.repair.hear(step, h.src, h.incarnation, h.fact.step, &h.fact.held);
         }
         let own = self.measured.as_ref().filter(|_| frame.is_some()).map(|m| (step, m));
         let lineage = self.lineage(frame, &heard);

@@ -1,13 +1,13 @@
 //! Who lacks what, and whose turn it is to help.
 //!
-//! Facts carry a [`Digest`] of what their sender holds. Whoever holds more, and has done so for longer
-//! than a message may be on its way, says it again: cells of the map in its next facts, everything
-//! else as a snapshot. All neighbours see the same digest, so they take turns: the next in the order
+//! Facts carry a [`Digest`] of what their sender holds. Whoever held more, and for longer than a message
+//! may be on its way when the digest was made, says it again: cells of the map in its next facts,
+//! everything else as a snapshot. All neighbours see the same digest, so they take turns: the next in the order
 //! of indexes answers at once, the others only if the digest does not get better.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use csat_proto::ids::AgentId;
+use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::message::{Digest, HeldFacts};
 use csat_proto::time::Step;
 
@@ -30,8 +30,12 @@ pub struct Repair {
     /// Steps that a message may be on its way.
     delay: u32,
     period: u32,
-    /// The facts held at each step since the last one that no message on its way can be older than.
+    /// Steps for which digests are accepted.
+    max_age: u32,
+    /// The facts held at each step that some digest may still have to be compared with.
     past: VecDeque<(Step, Vec<HeldFacts>)>,
+    /// The life and the step of each neighbour's newest digest.
+    newest: BTreeMap<AgentId, (Incarnation, Step)>,
     /// The own map.
     map: BlockHashes,
     /// What a digest of some step tells of it.
@@ -53,7 +57,9 @@ impl Repair {
             fleet: config.fleet.count,
             delay: steps(config.exchange.repair_delay_s),
             period: steps(config.exchange.repair_period_s),
+            max_age: steps(config.exchange.max_age_s),
             past: VecDeque::new(),
+            newest: BTreeMap::new(),
             map: BlockHashes::default(),
             told: None,
             lacking: BTreeMap::new(),
@@ -68,34 +74,52 @@ impl Repair {
         self.map.clone_from(map);
         self.told = Some((now, oem.clone()));
         self.past.push_back((now, facts.clone()));
-        while self.past.get(1).is_some_and(|(step, _)| step.after(self.delay) <= now) {
+        let is_early = |step: &Step| step.after(self.delay).after(self.max_age) <= now;
+        while self.past.get(1).is_some_and(|(step, _)| is_early(step)) {
             self.past.pop_front();
         }
         Digest { facts, oem }
     }
 
-    /// A neighbour's digest of step `then` came at step `now`.
-    pub fn hear(&mut self, now: Step, from: AgentId, then: Step, digest: &Digest) {
+    /// A neighbour's digest of step `then` of one of its lives came at step `now`. One that newer ones
+    /// have overtaken tells nothing.
+    pub fn hear(
+        &mut self,
+        now: Step,
+        from: AgentId,
+        incarnation: Incarnation,
+        then: Step,
+        digest: &Digest,
+    ) {
+        let newest = self.newest.entry(from).or_default();
+        if (incarnation, then) < *newest {
+            return;
+        }
+        *newest = (incarnation, then);
         let answer_at = now.after(self.turn(from) * TURN_STEPS);
-        if self.lacks_facts(now, from, digest) {
+        if self.lacks_facts(from, then, &digest.facts) {
             self.lacking.entry(from).or_insert(answer_at);
         } else {
             self.lacking.remove(&from);
         }
-        // Most neighbours tell of the same step and hold the same map.
-        if self.told.as_ref().is_none_or(|(step, _)| *step != then) {
-            self.told = Some((then, self.map.told_at(then)));
-        }
-        let told = self.told.iter().flat_map(|(_, told)| told);
-        let differs = |(block, (theirs, ours))| (theirs != ours).then_some(block);
-        let differing = digest.oem.iter().zip(told).enumerate().filter_map(differs);
-        let differing: BTreeSet<usize> = differing.collect();
+        let differing = self.differing_blocks(then, &digest.oem);
         let heard = 0..digest.oem.len();
         let agrees = |block: &usize| heard.contains(block) && !differing.contains(block);
         self.blocks.retain(|(who, block), _| *who != from || !agrees(block));
         for block in differing {
             self.blocks.entry((from, block)).or_insert(answer_at.after(self.delay));
         }
+    }
+
+    /// The blocks of the map that somebody told of otherwise at step `then` than it is known here.
+    fn differing_blocks(&mut self, then: Step, theirs: &[u16]) -> BTreeSet<usize> {
+        // Most neighbours tell of the same step and hold the same map.
+        if self.told.as_ref().is_none_or(|(step, _)| *step != then) {
+            self.told = Some((then, self.map.told_at(then)));
+        }
+        let told = self.told.iter().flat_map(|(_, told)| told);
+        let differs = |(block, (theirs, ours))| (theirs != ours).then_some(block);
+        theirs.iter().zip(told).enumerate().filter_map(differs).collect()
     }
 
     /// Whether somebody is due a snapshot.
@@ -141,16 +165,16 @@ impl Repair {
         due
     }
 
-    /// Whether `from` is behind by more than messages on their way explain: by what was held already
-    /// when the oldest of them was sent. How many facts it is behind does not tell: of a life that is
-    /// over there are no more to come, and the last ones may be all that it lacks.
-    fn lacks_facts(&self, now: Step, from: AgentId, digest: &Digest) -> bool {
-        let is_old = |(step, _): &&(Step, _)| step.after(self.delay) <= now;
-        let held = self.past.front().filter(is_old).into_iter().flat_map(|(_, facts)| facts);
+    /// Whether `from` was behind at step `then` by more than messages on their way explain: by what was
+    /// held already when the oldest of them was sent. How many facts it is behind does not tell: of a
+    /// life that is over there are no more to come, and the last ones may be all that it lacks.
+    fn lacks_facts(&self, from: AgentId, then: Step, theirs: &[HeldFacts]) -> bool {
+        let later = self.past.partition_point(|(step, _)| step.after(self.delay) <= then);
+        let held = self.past.range(..later).next_back().into_iter().flat_map(|(_, facts)| facts);
         held.filter(|facts| facts.origin != from).any(|ours| {
             let key = (ours.origin, ours.incarnation);
-            let theirs = digest.facts.binary_search_by_key(&key, |f| (f.origin, f.incarnation));
-            theirs.map_or(0, |index| digest.facts[index].count) < ours.count
+            let index = theirs.binary_search_by_key(&key, |f| (f.origin, f.incarnation));
+            index.map_or(0, |index| theirs[index].count) < ours.count
         })
     }
 
@@ -165,7 +189,6 @@ impl Repair {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use csat_proto::ids::Incarnation;
     use csat_proto::model::Ground;
     use csat_proto::oem::{OemCell, OemDelta};
     use csat_proto::raster::Grid;
@@ -180,13 +203,20 @@ mod tests {
             fleet: 4,
             delay: DELAY,
             period: 10,
+            max_age: 100,
             past: VecDeque::new(),
+            newest: BTreeMap::new(),
             map: BlockHashes::default(),
             told: None,
             lacking: BTreeMap::new(),
             blocks: BTreeMap::new(),
             next: Step(0),
         }
+    }
+
+    /// The first life of a neighbour that was in step `then` when it said so.
+    fn hear(repair: &mut Repair, now: u32, then: u32, digest: &Digest) {
+        repair.hear(Step(now), AgentId(1), Incarnation(0), Step(then), digest);
     }
 
     fn facts(counts: [u32; 4]) -> Vec<HeldFacts> {
@@ -228,18 +258,56 @@ mod tests {
         for step in 0..=20 {
             repair.hold(Step(step), facts([step; 4]), &BlockHashes::default());
         }
-        repair.hear(Step(20), AgentId(1), Step(20), &digest([16, 16, 16, 16]));
+        hear(&mut repair, 20, 20, &digest([16, 16, 16, 16]));
         assert!(!repair.snapshot_due(Step(100)));
         // Its own facts it need not hold from others.
-        repair.hear(Step(20), AgentId(1), Step(20), &digest([16, 0, 16, 16]));
+        hear(&mut repair, 20, 20, &digest([16, 0, 16, 16]));
         assert!(!repair.snapshot_due(Step(100)));
-        repair.hear(Step(20), AgentId(1), Step(20), &digest([15, 16, 16, 16]));
+        hear(&mut repair, 20, 20, &digest([15, 16, 16, 16]));
         assert!(repair.snapshot_due(Step(20)));
         repair.snapshot_said(Step(20));
-        repair.hear(Step(21), AgentId(1), Step(21), &digest([15, 16, 16, 16]));
+        hear(&mut repair, 21, 21, &digest([15, 16, 16, 16]));
         assert!(!repair.snapshot_due(Step(29)) && repair.snapshot_due(Step(30)));
-        repair.hear(Step(31), AgentId(1), Step(31), &digest([20, 16, 20, 20]));
+        hear(&mut repair, 31, 31, &digest([20, 16, 20, 20]));
         assert!(!repair.snapshot_due(Step(31)));
+    }
+
+    /// Facts and digests of the same link are as late as each other.
+    #[test]
+    fn a_late_digest_is_compared_with_what_its_sender_could_hold() {
+        let mut repair = repair(2);
+        for step in 0..=30 {
+            repair.hold(Step(step), facts([step; 4]), &BlockHashes::default());
+            let Some(then) = step.checked_sub(DELAY) else { continue };
+            hear(&mut repair, step, then, &digest([then.saturating_sub(DELAY); 4]));
+            assert!(!repair.snapshot_due(Step(100)), "at {step}");
+        }
+        hear(&mut repair, 30, 26, &digest([21; 4]));
+        assert!(repair.snapshot_due(Step(30)));
+    }
+
+    #[test]
+    fn a_digest_that_was_overtaken_tells_nothing() {
+        let mut helper = helper(2, [20; 4]);
+        hear(&mut helper, 25, 25, &digest([20; 4]));
+        hear(&mut helper, 25, 21, &digest([0; 4]));
+        assert!(!helper.snapshot_due(Step(100)));
+        helper.hear(Step(25), AgentId(1), Incarnation(1), Step(21), &digest([0; 4]));
+        assert!(helper.snapshot_due(Step(25)), "a new life knows nothing yet");
+        hear(&mut helper, 26, 26, &digest([20; 4]));
+        assert!(helper.snapshot_due(Step(26)), "the old one is over");
+    }
+
+    #[test]
+    fn the_past_is_forgotten_when_no_digest_can_be_so_old() {
+        let mut repair = repair(2);
+        for step in 0..1000 {
+            repair.hold(Step(step), facts([step; 4]), &BlockHashes::default());
+        }
+        assert_eq!(repair.past.len() as u32, repair.max_age + DELAY + 1);
+        let oldest = 999 - repair.max_age;
+        hear(&mut repair, 999, oldest, &digest([oldest - DELAY - 1; 4]));
+        assert!(repair.snapshot_due(Step(999)));
     }
 
     #[test]
@@ -247,7 +315,7 @@ mod tests {
         let mut repair = repair(2);
         for step in 20..=24 {
             repair.hold(Step(step), facts([9, step, step, step]), &BlockHashes::default());
-            repair.hear(Step(step), AgentId(1), Step(step), &digest([8, step, step, step]));
+            hear(&mut repair, step, step, &digest([8, step, step, step]));
             assert_eq!(repair.snapshot_due(Step(100)), step >= 20 + DELAY, "at {step}");
         }
     }
@@ -257,12 +325,12 @@ mod tests {
         let behind = digest([0, 20, 20, 20]);
         let first_due = |own_id| {
             let mut repair = helper(own_id, [20; 4]);
-            repair.hear(Step(20), AgentId(1), Step(20), &behind);
+            hear(&mut repair, 20, 20, &behind);
             (20..).find(|&step| repair.snapshot_due(Step(step))).unwrap()
         };
         assert_eq!([2, 3, 0].map(first_due), [20, 22, 24]);
         let mut second = helper(3, [20; 4]);
-        second.hear(Step(20), AgentId(1), Step(20), &behind);
+        hear(&mut second, 20, 20, &behind);
         second.snapshot_heard(Step(21));
         assert!(!second.snapshot_due(Step(26)) && second.snapshot_due(Step(27)));
     }
@@ -272,14 +340,14 @@ mod tests {
         let mut repair = repair(2);
         let (own, other) = (map(2, &[1]), map(2, &[]));
         repair.hold(Step(20), Vec::new(), &own);
-        repair.hear(Step(20), AgentId(1), Step(20), &map_digest(20, &other));
+        hear(&mut repair, 20, 20, &map_digest(20, &other));
         assert!(repair.blocks_due(Step(23)).is_empty());
         // A late digest is compared as of its own step.
-        repair.hear(Step(23), AgentId(1), Step(21), &map_digest(21, &other));
+        hear(&mut repair, 23, 21, &map_digest(21, &other));
         assert_eq!(repair.blocks_due(Step(24)), BTreeSet::from([1]));
         assert!(repair.blocks_due(Step(33)).is_empty(), "not before the period is over");
         assert_eq!(repair.blocks_due(Step(34)), BTreeSet::from([1]));
-        repair.hear(Step(35), AgentId(1), Step(30), &map_digest(30, &own));
+        hear(&mut repair, 35, 30, &map_digest(30, &own));
         assert!(repair.blocks_due(Step(99)).is_empty());
     }
 
@@ -289,7 +357,7 @@ mod tests {
         let mut repair = repair(2);
         let all: Vec<usize> = (0..BLOCKS).collect();
         repair.hold(Step(20), Vec::new(), &map(BLOCKS, &all));
-        repair.hear(Step(20), AgentId(1), Step(20), &map_digest(20, &map(BLOCKS, &[])));
+        hear(&mut repair, 20, 20, &map_digest(20, &map(BLOCKS, &[])));
         let steps = 24..24 + BLOCKS.div_ceil(BLOCKS_PER_FACT) as u32;
         let said: BTreeSet<usize> = steps.flat_map(|step| repair.blocks_due(Step(step))).collect();
         assert_eq!(said.len(), BLOCKS);

@@ -142,6 +142,21 @@ fn maps_that_differ_are_repaired() {
     }
 }
 
+/// Facts and digests are late, but as late as messages may be: nobody lacks anything.
+#[test]
+fn slow_links_need_no_repair() {
+    for delay_s in [1.0, 1.5, 2.0] {
+        let mut flight = flight(3, ExchangeMode::FactsRepair);
+        assert!(delay_s <= flight.pair.agent(0).config().exchange.repair_delay_s);
+        flight.pair.filter = Box::new(move |_| vec![delay_s]);
+        for _ in 0..30 {
+            flight.step();
+            flight.check_guarantee();
+        }
+        assert_eq!(repairs(&flight.pair.letters), [], "{delay_s} s");
+    }
+}
+
 /// UAV 2 hears UAV 1 but not UAV 0: whoever is heard helps, and once is enough.
 #[test]
 fn somebody_else_can_help() {
