@@ -38,7 +38,7 @@ pub struct HeldFacts {
 /// often"). Empty in modes that repair nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Digest {
-    /// Facts that its knowledge contains, by increasing origin and incarnation.
+    /// Facts that its knowledge contains, by increasing origin and incarnation. None: it does not say.
     pub facts: Vec<HeldFacts>,
     /// A hash of each block of its OEM, row-major.
     pub oem: Vec<u16>,
@@ -84,7 +84,8 @@ pub struct Known {
 /// One frame's measurements and everything that was known before.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
-    /// The frame. [`Fact::held`] lists the facts that `known` contains.
+    /// The frame. [`Fact::held`] lists the facts that `known` contains, unless `known` was simplified too
+    /// much to replace them.
     pub fact: Fact,
     /// The rest.
     pub known: Known,

@@ -6,7 +6,7 @@
 //! long nothing is said.
 
 use csat_proto::envelope::Envelope;
-use csat_proto::message::{Fact, Known};
+use csat_proto::message::{Digest, Fact, Known, Snapshot};
 use csat_proto::oem::OemPatch;
 use csat_proto::raster::Raster;
 use csat_proto::region::{GridBox, GridPoint, Region, Shape, metres};
@@ -20,8 +20,9 @@ const FINEST_M: f64 = 0.25;
 const DISTANCE_M: f64 = 50.0;
 /// Levels of simplification; after the last one sets are empty or boxes.
 const LEVELS: u32 = 8;
-/// From this level on the views of cameras are left out.
-const BLIND_LEVEL: u32 = 4;
+/// From this level on the views of cameras are left out, and sets are too coarse to stand for the facts
+/// that made them.
+const COARSE_LEVEL: u32 = 4;
 /// Runs of map cells at the first level; half as many at each that follows.
 const RUNS: usize = 512;
 
@@ -56,7 +57,7 @@ impl Shortener {
             return fact.clone();
         }
         let view = |raster: &Raster| match self.level {
-            0..BLIND_LEVEL => raster.clone(),
+            0..COARSE_LEVEL => raster.clone(),
             _ => Raster::empty(*raster.grid()),
         };
         let mut short = Fact {
@@ -74,8 +75,18 @@ impl Shortener {
         short
     }
 
+    /// A shorter snapshot that claims less. If little is left of what the sender knew, it does not say
+    /// which facts that contained: whoever lacks them would take them for repaired.
+    pub fn snapshot(&self, fact: &Fact, known: &Known) -> Snapshot {
+        let mut fact = self.fact(fact);
+        if self.level >= COARSE_LEVEL {
+            fact.held = Digest::default();
+        }
+        Snapshot { fact, known: self.known(known) }
+    }
+
     /// Shorter knowledge that claims less.
-    pub fn known(&self, known: &Known) -> Known {
+    fn known(&self, known: &Known) -> Known {
         if self.level == 0 {
             return known.clone();
         }

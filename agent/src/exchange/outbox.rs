@@ -225,8 +225,7 @@ impl Outbox {
         let known = known(knowledge);
         let body = fit(self.credit, |level| {
             let short = Shortener::new(level, &account.uavs, knowledge.ground());
-            let (fact, known) = (short.fact(fact), short.known(&known));
-            encode(&Message::Snapshot(Box::new(Snapshot { fact, known })))
+            encode(&Message::Snapshot(Box::new(short.snapshot(fact, &known))))
         });
         self.say_body(self.config.channels.snapshots, account, body)
     }

@@ -99,7 +99,7 @@ impl Repair {
         let answer_at = now.after(self.turn(from) * TURN_STEPS);
         if self.lacks_facts(from, then, &digest.facts) {
             self.lacking.entry(from).or_insert(answer_at);
-        } else {
+        } else if !digest.facts.is_empty() {
             self.lacking.remove(&from);
         }
         let differing = self.differing_blocks(then, &digest.oem);
@@ -129,7 +129,7 @@ impl Repair {
             && !is_on(Mutant::NeverRepairs)
     }
 
-    /// A snapshot was said at `now`: it helps everybody who hears it.
+    /// A snapshot was said at `now`: wait and see whom it helped.
     pub fn snapshot_said(&mut self, now: Step) {
         self.next = now.after(self.period);
         self.lacking.clear();
@@ -168,7 +168,11 @@ impl Repair {
     /// Whether `from` was behind at step `then` by more than messages on their way explain: by what was
     /// held already when the oldest of them was sent. How many facts it is behind does not tell: of a
     /// life that is over there are no more to come, and the last ones may be all that it lacks.
+    /// Whoever holds no facts at all does not say what it holds.
     fn lacks_facts(&self, from: AgentId, then: Step, theirs: &[HeldFacts]) -> bool {
+        if theirs.is_empty() {
+            return false;
+        }
         let later = self.past.partition_point(|(step, _)| step.after(self.delay) <= then);
         let held = self.past.range(..later).next_back().into_iter().flat_map(|(_, facts)| facts);
         held.filter(|facts| facts.origin != from).any(|ours| {
@@ -284,6 +288,16 @@ mod tests {
         }
         hear(&mut repair, 30, 26, &digest([21; 4]));
         assert!(repair.snapshot_due(Step(30)));
+    }
+
+    #[test]
+    fn a_digest_without_facts_tells_nothing_of_them() {
+        let mut helper = helper(2, [20; 4]);
+        hear(&mut helper, 20, 20, &Digest::default());
+        assert!(!helper.snapshot_due(Step(100)));
+        hear(&mut helper, 21, 21, &digest([0, 20, 20, 20]));
+        hear(&mut helper, 22, 22, &Digest::default());
+        assert!(helper.snapshot_due(Step(22)));
     }
 
     #[test]
