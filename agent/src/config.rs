@@ -270,16 +270,17 @@ impl Default for ExchangeConfig {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn config(period_s: f64) -> AgentConfig {
+    /// The first agent of the default fleet over ground of this size.
+    pub(crate) fn default_config(size_m: [f64; 2]) -> AgentConfig {
         AgentConfig {
             run: RunId(0),
             id: AgentId(0),
             incarnation: Incarnation(0),
-            period_s,
-            ground: Ground { size_m: [100.0; 2] },
+            period_s: 0.5,
+            ground: Ground { size_m },
             targets: TargetsModel::default(),
             fleet: FleetModel::default(),
             camera: CameraModel::default(),
@@ -292,7 +293,7 @@ mod tests {
 
     #[test]
     fn times_of_any_length_are_counted_in_steps() {
-        let steps = |seconds| config(0.5).steps(seconds);
+        let steps = |seconds| default_config([100.0; 2]).steps(seconds);
         assert_eq!([0.0, 0.1, 0.5, 10.0, 10.1].map(steps), [0, 1, 1, 20, 21]);
         assert_eq!([1e12, 1e30, f64::INFINITY].map(steps), [u32::MAX; 3]);
     }

@@ -1,6 +1,6 @@
 //! What to say, and how often.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use csat_proto::agent::{FIRST_ANSWER, Transmit};
 use csat_proto::camera::Pose;
@@ -13,7 +13,7 @@ use csat_proto::region::Region;
 use csat_proto::time::{SimTime, Step};
 
 use super::budget::{Shortener, fit};
-use super::repair::Repair;
+use super::repair::{BLOCKS_PER_FACT, Repair};
 use crate::commons::Identity;
 use crate::config::{AgentConfig, ExchangeConfig, ExchangeMode};
 use crate::estimate::state::Knowledge;
@@ -53,6 +53,52 @@ pub struct Said {
     pub identity: Identity,
     /// Whether it tells all that the frame proved.
     pub in_full: bool,
+}
+
+/// What there is to say of a step, in full.
+#[derive(Debug, Clone)]
+struct News<'a> {
+    account: &'a Account<'a>,
+    /// The fact of the frame.
+    fact: Fact,
+    /// Blocks of the map that others lack, the longest due first.
+    blocks: Vec<usize>,
+}
+
+impl News<'_> {
+    /// A fact that is the shorter the higher the level of simplification, and 0 is all of it.
+    fn fact_at(&self, level: u32) -> Fact {
+        let mut fact = self.shortener(level).fact(&self.fact);
+        fact.oem = self.with_blocks(level, fact.oem);
+        fact
+    }
+
+    /// A snapshot of `known`, likewise.
+    fn snapshot_at(&self, level: u32, known: &Known) -> Snapshot {
+        let mut snapshot = self.shortener(level).snapshot(&self.fact, known);
+        snapshot.fact.oem = self.with_blocks(level, snapshot.fact.oem);
+        snapshot
+    }
+
+    fn shortener(&self, level: u32) -> Shortener {
+        Shortener::new(level, &self.account.uavs, self.account.knowledge.ground())
+    }
+
+    /// The blocks that are told of: half as many at each level, but each as a whole.
+    fn blocks_at(&self, level: u32) -> &[usize] {
+        &self.blocks[..self.blocks.len().min(BLOCKS_PER_FACT >> level)]
+    }
+
+    /// A patch, and all that is known of the blocks.
+    fn with_blocks(&self, level: u32, news: OemPatch) -> OemPatch {
+        let blocks: BTreeSet<usize> = self.blocks_at(level).iter().copied().collect();
+        if blocks.is_empty() {
+            return news;
+        }
+        let mut cells = cells(self.account.knowledge.oem.known_in(&blocks));
+        cells.extend(self::cells(news.deltas()));
+        patch(&cells)
+    }
 }
 
 /// Messages waiting to be sent, and the numbering of those that were.
@@ -110,7 +156,7 @@ impl Outbox {
         }
         let allowance = budget_bytes_s * self.config.period_s;
         self.credit = (self.credit + allowance).min(budget_bytes_s * snapshot_period_s);
-        let fact = self.fact(account, repair);
+        let news = self.news(account, repair);
         let wanted = match mode {
             ExchangeMode::Snapshot => true,
             ExchangeMode::FactsRepair => {
@@ -118,20 +164,22 @@ impl Outbox {
             }
             ExchangeMode::None | ExchangeMode::Facts => false,
         };
-        let mut said = if wanted { self.say_snapshot(account, &fact) } else { None };
+        let mut said = if wanted { self.say_snapshot(&news, repair) } else { None };
         if said.is_some() {
             repair.snapshot_said(account.step);
             let period = self.config.steps(snapshot_period_s).max(1);
             self.next_snapshot = account.step.after(period);
         } else if wanted {
-            self.next_snapshot = self.next_snapshot.max(account.step.after(RETRY_STEPS));
+            let retry = account.step.after(RETRY_STEPS);
+            repair.snapshot_failed(retry);
+            self.next_snapshot = self.next_snapshot.max(retry);
         }
         let limit = match mode {
             ExchangeMode::FactsRepair => self.credit.min(FACT_SHARE * allowance),
             _ => self.credit,
         };
         if said.is_none() && mode != ExchangeMode::Snapshot {
-            said = self.say_fact(account, &fact, limit);
+            said = self.say_fact(&news, repair, limit);
         }
         if said.is_some() {
             self.facts_said += 1;
@@ -178,21 +226,24 @@ impl Outbox {
         self.say(self.config.channels.plans, now, step, pose, body);
     }
 
-    /// The fact of a frame, in full.
-    fn fact(&self, account: &Account<'_>, repair: &mut Repair) -> Fact {
-        let Account { step, measured, knowledge, held, changed, .. } = account;
-        let with_changes = |known: &mut dyn Iterator<Item = OemDelta>| {
-            let mut cells: BTreeMap<_, _> = known.map(|delta| (delta.cell, delta.state)).collect();
-            cells.extend(changed);
-            patch(&cells)
+    fn news<'a>(&self, account: &'a Account<'a>, repair: &Repair) -> News<'a> {
+        let blocks = match self.config.exchange.mode {
+            ExchangeMode::FactsRepair => repair.blocks_due(account.step),
+            _ => Vec::new(),
         };
+        News { account, fact: self.fact(account), blocks }
+    }
+
+    /// The fact of a frame, in full.
+    fn fact(&self, account: &Account<'_>) -> Fact {
+        let Account { step, measured, knowledge, held, changed, .. } = account;
         let oem = match self.config.exchange.mode {
-            ExchangeMode::Snapshot => with_changes(&mut knowledge.oem.known()),
-            ExchangeMode::FactsRepair => {
-                let due = repair.blocks_due(*step);
-                with_changes(&mut knowledge.oem.known_in(&due))
+            ExchangeMode::Snapshot => {
+                let mut cells = cells(knowledge.oem.known());
+                cells.extend(changed);
+                patch(&cells)
             }
-            ExchangeMode::None | ExchangeMode::Facts => patch(changed),
+            _ => patch(changed),
         };
         let targets = measured.targets.iter().map(|t| TargetFact {
             target: t.target,
@@ -212,33 +263,32 @@ impl Outbox {
         }
     }
 
-    fn say_fact(&mut self, account: &Account<'_>, fact: &Fact, limit: f64) -> Option<Said> {
-        let ground = account.knowledge.ground();
-        let body = fit(limit, |level| {
-            encode(&Message::Fact(Shortener::new(level, &account.uavs, ground).fact(fact)))
-        });
-        self.say_body(self.config.channels.facts, account, body)
+    fn say_fact(&mut self, news: &News<'_>, repair: &mut Repair, limit: f64) -> Option<Said> {
+        let (level, body) = fit(limit, |level| encode(&Message::Fact(news.fact_at(level))))?;
+        Some(self.say_news(self.config.channels.facts, news, repair, level, body))
     }
 
-    fn say_snapshot(&mut self, account: &Account<'_>, fact: &Fact) -> Option<Said> {
-        let knowledge = account.knowledge;
-        let known = known(knowledge);
-        let body = fit(self.credit, |level| {
-            let short = Shortener::new(level, &account.uavs, knowledge.ground());
-            encode(&Message::Snapshot(Box::new(short.snapshot(fact, &known))))
-        });
-        self.say_body(self.config.channels.snapshots, account, body)
+    fn say_snapshot(&mut self, news: &News<'_>, repair: &mut Repair) -> Option<Said> {
+        let known = known(news.account.knowledge);
+        let (level, body) = fit(self.credit, |level| {
+            encode(&Message::Snapshot(Box::new(news.snapshot_at(level, &known))))
+        })?;
+        Some(self.say_news(self.config.channels.snapshots, news, repair, level, body))
     }
 
-    fn say_body(
+    /// Says what fitted at a level.
+    fn say_news(
         &mut self,
         channel: ChannelId,
-        account: &Account<'_>,
-        fitting: Option<(u32, Vec<u8>)>,
-    ) -> Option<Said> {
-        let (level, body) = fitting?;
-        let identity = self.say(channel, account.now, account.step, account.pose, body);
-        Some(Said { identity, in_full: level == 0 })
+        news: &News<'_>,
+        repair: &mut Repair,
+        level: u32,
+        body: Vec<u8>,
+    ) -> Said {
+        let Account { now, step, pose, .. } = *news.account;
+        repair.blocks_said(step, news.blocks_at(level));
+        let identity = self.say(channel, now, step, pose, body);
+        Said { identity, in_full: level == 0 }
     }
 
     fn say(
@@ -295,10 +345,85 @@ fn known(knowledge: &Knowledge) -> Known {
     }
 }
 
+fn cells(deltas: impl Iterator<Item = OemDelta>) -> BTreeMap<u32, OemCell> {
+    deltas.map(|delta| (delta.cell, delta.state)).collect()
+}
+
 fn patch(cells: &BTreeMap<u32, OemCell>) -> OemPatch {
     OemPatch::of(cells.iter().map(|(&cell, &state)| OemDelta { cell, state }))
 }
 
 fn encode(message: &Message) -> Vec<u8> {
     postcard::to_stdvec(message).expect("a message always serialises")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use csat_proto::ids::AgentId;
+
+    use crate::config::tests::default_config;
+    use crate::estimate::settled::Settled;
+    use crate::region::Inner;
+
+    /// A frame in which nothing was seen.
+    fn nothing_measured(config: &AgentConfig) -> Measured {
+        Measured {
+            clear_ground: Inner::within(Region::EMPTY),
+            obstacle_margin: Inner::within(Region::EMPTY),
+            targets: Vec::new(),
+            hidden: Raster::empty(config.raster_grid()),
+            seen: Raster::empty(config.raster_grid()),
+            oem: Vec::new(),
+        }
+    }
+
+    /// Knowledge of a map in which no two neighbouring cells are the same.
+    fn chequered(config: &AgentConfig) -> Knowledge {
+        let mut knowledge = Knowledge::at_start(config);
+        let columns = config.oem_grid().columns;
+        for cell in 0..config.oem_grid().cells() as u32 {
+            let height_dm = ((cell % columns + cell / columns) % 2) as u16;
+            knowledge.oem.join(OemDelta { cell, state: OemCell::Occupied { height_dm } });
+        }
+        knowledge
+    }
+
+    /// Somebody who knows nothing is gone, and facts have room for a block or two of the map.
+    #[test]
+    fn every_block_is_said_though_few_fit() {
+        let mut config = default_config([500.0; 2]);
+        config.exchange.budget_bytes_s = 4000.0;
+        config.exchange.snapshot_period_s = 1e6;
+        let measured = nothing_measured(&config);
+        let knowledge = Settled::new(chequered(&config), Identity::default());
+        let (mut outbox, mut repair) = (Outbox::new(&config), Repair::new(&config));
+        outbox.next_snapshot = Step(u32::MAX);
+        repair.hold(Step(0), Vec::new(), knowledge.block_hashes());
+        let lost = Knowledge::at_start(&config).oem.block_hashes().told_at(Step(0));
+        let digest = Digest { facts: Vec::new(), oem: lost };
+        repair.hear(Step(0), AgentId(1), Incarnation(0), Step(0), &digest);
+        let mut lacking: BTreeSet<u32> = knowledge.oem.known().map(|delta| delta.cell).collect();
+        let cells = lacking.len();
+        for step in (20..140).map(Step) {
+            let account = Account {
+                now: SimTime(0),
+                step,
+                pose: Pose::default(),
+                measured: &measured,
+                changed: BTreeMap::new(),
+                knowledge: &knowledge,
+                held: repair.hold(step, Vec::new(), knowledge.block_hashes()),
+                uavs: Vec::new(),
+            };
+            outbox.say_step(&account, &mut repair).expect("a fact fits");
+            let bytes = outbox.pop().expect("it was said").bytes;
+            let body = Envelope::decode(&bytes).unwrap().body;
+            let Message::Fact(fact) = postcard::from_bytes(&body).unwrap() else { continue };
+            fact.oem.deltas().for_each(|delta| {
+                lacking.remove(&delta.cell);
+            });
+        }
+        assert_eq!(lacking.len(), 0, "of {cells} cells are never said");
+    }
 }

@@ -20,7 +20,7 @@ const TURN_STEPS: u32 = 2;
 /// Neighbours that take turns; the rest answer with the last of them.
 const TURNS: u32 = 8;
 /// Blocks of the map that one fact repairs at most.
-const BLOCKS_PER_FACT: usize = 8;
+pub const BLOCKS_PER_FACT: usize = 8;
 
 /// What the others lack.
 #[derive(Debug, Clone)]
@@ -135,6 +135,11 @@ impl Repair {
         self.lacking.clear();
     }
 
+    /// None is to be said before `retry`: there is no room for one.
+    pub fn snapshot_failed(&mut self, retry: Step) {
+        self.next = self.next.max(retry);
+    }
+
     /// Somebody else said a snapshot: wait and see whether it helped.
     pub fn snapshot_heard(&mut self, now: Step) {
         let answer_at = |from| now.after(self.delay).after(self.turn(from) * TURN_STEPS);
@@ -142,27 +147,31 @@ impl Repair {
         self.lacking.extend(later);
     }
 
-    /// The blocks of the map to be said again at `now`, which are then taken as said.
-    pub fn blocks_due(&mut self, now: Step) -> BTreeSet<usize> {
-        // Whoever is gone never agrees: the blocks it lacks must not keep others from their turn.
+    /// The blocks of the map to be said again at `now`, the longest due first.
+    pub fn blocks_due(&self, now: Step) -> Vec<usize> {
+        if is_on(Mutant::MapNeverRepaired) {
+            return Vec::new();
+        }
         let waiting = self.blocks.iter().map(|((_, block), at)| (*at, *block));
         let waiting: BTreeSet<_> = waiting.filter(|(at, _)| *at <= now).collect();
-        let mut due = BTreeSet::new();
+        let mut due = Vec::new();
         for (_, block) in waiting {
-            if due.len() < BLOCKS_PER_FACT {
-                due.insert(block);
-            }
-        }
-        if is_on(Mutant::MapNeverRepaired) {
-            return BTreeSet::new();
-        }
-        let again = now.after(self.period);
-        for ((_, block), at) in &mut self.blocks {
-            if due.contains(block) {
-                *at = again;
+            if due.len() < BLOCKS_PER_FACT && !due.contains(&block) {
+                due.push(block);
             }
         }
         due
+    }
+
+    /// These blocks were said at `now`. Whoever is gone never agrees: the blocks it lacks must not keep
+    /// others from their turn.
+    pub fn blocks_said(&mut self, now: Step, said: &[usize]) {
+        let again = now.after(self.period);
+        for ((_, block), at) in &mut self.blocks {
+            if said.contains(block) {
+                *at = again;
+            }
+        }
     }
 
     /// Whether `from` was behind at step `then` by more than messages on their way explain: by what was
@@ -350,19 +359,30 @@ mod tests {
     }
 
     #[test]
+    fn a_snapshot_without_room_is_tried_again_later() {
+        let mut helper = helper(2, [20; 4]);
+        hear(&mut helper, 20, 20, &digest([0, 20, 20, 20]));
+        assert!(helper.snapshot_due(Step(20)));
+        helper.snapshot_failed(Step(24));
+        assert!(!helper.snapshot_due(Step(23)) && helper.snapshot_due(Step(24)));
+    }
+
+    #[test]
     fn blocks_that_stay_different_are_said_again() {
         let mut repair = repair(2);
         let (own, other) = (map(2, &[1]), map(2, &[]));
         repair.hold(Step(20), Vec::new(), &own);
         hear(&mut repair, 20, 20, &map_digest(20, &other));
-        assert!(repair.blocks_due(Step(23)).is_empty());
+        assert_eq!(repair.blocks_due(Step(23)), []);
         // A late digest is compared as of its own step.
         hear(&mut repair, 23, 21, &map_digest(21, &other));
-        assert_eq!(repair.blocks_due(Step(24)), BTreeSet::from([1]));
-        assert!(repair.blocks_due(Step(33)).is_empty(), "not before the period is over");
-        assert_eq!(repair.blocks_due(Step(34)), BTreeSet::from([1]));
+        assert_eq!(repair.blocks_due(Step(24)), [1]);
+        assert_eq!(repair.blocks_due(Step(25)), [1], "it did not fit");
+        repair.blocks_said(Step(25), &[1]);
+        assert_eq!(repair.blocks_due(Step(34)), [], "not before the period is over");
+        assert_eq!(repair.blocks_due(Step(35)), [1]);
         hear(&mut repair, 35, 30, &map_digest(30, &own));
-        assert!(repair.blocks_due(Step(99)).is_empty());
+        assert_eq!(repair.blocks_due(Step(99)), []);
     }
 
     #[test]
@@ -373,7 +393,12 @@ mod tests {
         repair.hold(Step(20), Vec::new(), &map(BLOCKS, &all));
         hear(&mut repair, 20, 20, &map_digest(20, &map(BLOCKS, &[])));
         let steps = 24..24 + BLOCKS.div_ceil(BLOCKS_PER_FACT) as u32;
-        let said: BTreeSet<usize> = steps.flat_map(|step| repair.blocks_due(Step(step))).collect();
+        let mut said = BTreeSet::new();
+        for step in steps.map(Step) {
+            let due = repair.blocks_due(step);
+            repair.blocks_said(step, &due);
+            said.extend(due);
+        }
         assert_eq!(said.len(), BLOCKS);
     }
 }
