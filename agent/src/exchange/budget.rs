@@ -20,8 +20,8 @@ const FINEST_M: f64 = 0.25;
 const DISTANCE_M: f64 = 50.0;
 /// Levels of simplification; after the last one sets are empty or boxes.
 const LEVELS: u32 = 8;
-/// From this level on the views of cameras are left out, and sets are too coarse to stand for the facts
-/// that made them.
+/// From this level on the views of cameras and the digest are left out, and sets are too coarse to stand
+/// for the facts that made them.
 const COARSE_LEVEL: u32 = 4;
 /// Runs of map cells at the first level; half as many at each that follows.
 const RUNS: usize = 512;
@@ -51,16 +51,19 @@ impl Shortener {
         Self { level, uavs: uavs.to_vec(), ground: Outer::containing(ground.clone()) }
     }
 
-    /// A shorter fact that claims less.
+    /// A shorter fact that claims less. When little is left of it, it has no digest either, which would
+    /// be most of it.
     pub fn fact(&self, fact: &Fact) -> Fact {
         if self.level == 0 {
             return fact.clone();
         }
-        let view = |raster: &Raster| match self.level {
-            0..COARSE_LEVEL => raster.clone(),
-            _ => Raster::empty(*raster.grid()),
+        let is_coarse = self.level >= COARSE_LEVEL;
+        let view = |raster: &Raster| match is_coarse {
+            false => raster.clone(),
+            true => Raster::empty(*raster.grid()),
         };
         let mut short = Fact {
+            held: if is_coarse { Digest::default() } else { fact.held.clone() },
             clear_ground: self.inner(&fact.clear_ground),
             obstacle_margin: self.inner(&fact.obstacle_margin),
             hidden: view(&fact.hidden),
@@ -75,14 +78,10 @@ impl Shortener {
         short
     }
 
-    /// A shorter snapshot that claims less. If little is left of what the sender knew, it does not say
-    /// which facts that contained: whoever lacks them would take them for repaired.
+    /// A shorter snapshot that claims less. When little is left of it, it does not say which facts it
+    /// contains: whoever lacks them would take them for repaired.
     pub fn snapshot(&self, fact: &Fact, known: &Known) -> Snapshot {
-        let mut fact = self.fact(fact);
-        if self.level >= COARSE_LEVEL {
-            fact.held = Digest::default();
-        }
-        Snapshot { fact, known: self.known(known) }
+        Snapshot { fact: self.fact(fact), known: self.known(known) }
     }
 
     /// Shorter knowledge that claims less.

@@ -20,8 +20,8 @@ use crate::estimate::state::Knowledge;
 use crate::mutant::{Mutant, is_on};
 use crate::sense::Measured;
 
-/// The share of its allowance per step that a fact may use where snapshots must be saved for.
-const FACT_SHARE: f64 = 0.75;
+/// The share of what may be said that facts leave to the next snapshot.
+const SNAPSHOT_SHARE: f64 = 0.25;
 /// Steps until a snapshot that did not fit is tried again.
 const RETRY_STEPS: u32 = 4;
 
@@ -111,6 +111,8 @@ pub struct Outbox {
     next_snapshot: Step,
     /// Bytes that may be said now; plans are said anyway and may make it negative.
     credit: f64,
+    /// How many of them are kept for the next snapshot.
+    saved: f64,
     withheld: u64,
     queue: VecDeque<Transmit>,
 }
@@ -126,6 +128,7 @@ impl Outbox {
             // Agents take turns, so that not all snapshots fall into the same step.
             next_snapshot: Step(u32::from(config.id.0) + 1),
             credit: 0.0,
+            saved: 0.0,
             withheld: 0,
             queue: VecDeque::new(),
         }
@@ -149,13 +152,11 @@ impl Outbox {
     /// Says what this step's frame proved or what is known with it, as the mode demands. `None` when
     /// nothing was said.
     pub fn say_step(&mut self, account: &Account<'_>, repair: &mut Repair) -> Option<Said> {
-        let ExchangeConfig { mode, budget_bytes_s, snapshot_period_s, .. } =
-            self.config.exchange.clone();
+        let ExchangeConfig { mode, snapshot_period_s, .. } = self.config.exchange;
         if mode == ExchangeMode::None {
             return None;
         }
-        let allowance = budget_bytes_s * self.config.period_s;
-        self.credit = (self.credit + allowance).min(budget_bytes_s * snapshot_period_s);
+        self.earn();
         let news = self.news(account, repair);
         let wanted = match mode {
             ExchangeMode::Snapshot => true,
@@ -167,6 +168,7 @@ impl Outbox {
         let mut said = if wanted { self.say_snapshot(&news, repair) } else { None };
         if said.is_some() {
             repair.snapshot_said(account.step);
+            self.saved = 0.0;
             let period = self.config.steps(snapshot_period_s).max(1);
             self.next_snapshot = account.step.after(period);
         } else if wanted {
@@ -175,7 +177,7 @@ impl Outbox {
             self.next_snapshot = self.next_snapshot.max(retry);
         }
         let limit = match mode {
-            ExchangeMode::FactsRepair => self.credit.min(FACT_SHARE * allowance),
+            ExchangeMode::FactsRepair => self.credit - self.saved,
             _ => self.credit,
         };
         if said.is_none() && mode != ExchangeMode::Snapshot {
@@ -187,6 +189,17 @@ impl Outbox {
             self.withheld += 1;
         }
         said
+    }
+
+    /// One more step's bytes may be said, but no more at once than in a snapshot period.
+    fn earn(&mut self) {
+        let ExchangeConfig { budget_bytes_s, snapshot_period_s, .. } = self.config.exchange;
+        let (more, most) =
+            (budget_bytes_s * self.config.period_s, budget_bytes_s * snapshot_period_s);
+        self.credit = (self.credit + more).min(most);
+        // Finite, so that something is left of an infinite credit.
+        let most_saved = (SNAPSHOT_SHARE * most).min(f64::MAX);
+        self.saved = (self.saved + SNAPSHOT_SHARE * more).min(most_saved);
     }
 
     /// All that is known, for one that joins late. The frame is told as part of what is known: as a
