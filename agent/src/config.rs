@@ -249,7 +249,8 @@ pub struct ExchangeConfig {
     pub max_age_s: f64,
     /// Bound on the difference of two agents' clocks, seconds.
     pub clock_skew_s: f64,
-    /// Messages with more vertices than this are dropped.
+    /// Facts, and what is known before them, with more vertices than this are dropped; what is said has
+    /// no more.
     pub max_vertices: u32,
 }
 

@@ -1,4 +1,4 @@
-//! Making messages fit a budget of bytes, the safe way.
+//! Making messages fit a budget of bytes, and what others accept, the safe way.
 //!
 //! Outer sets grow and inner ones shrink until a message fits: each level doubles the tolerance, which
 //! is the larger the farther a shape is from where anybody flies. What carries no guarantee is left
@@ -6,11 +6,12 @@
 //! long nothing is said.
 
 use csat_proto::envelope::Envelope;
-use csat_proto::message::{Digest, Fact, Known, Snapshot};
+use csat_proto::message::{Digest, Fact, Known, Message, Snapshot};
 use csat_proto::oem::OemPatch;
 use csat_proto::raster::Raster;
 use csat_proto::region::{GridBox, GridPoint, Region, Shape, metres};
 
+use super::validate::check_vertices;
 use crate::mutant::{Mutant, is_on};
 use crate::region::{Inner, Outer};
 
@@ -26,12 +27,21 @@ const COARSE_LEVEL: u32 = 4;
 /// Runs of map cells at the first level; half as many at each that follows.
 const RUNS: usize = 512;
 
-/// The finest of the bodies that `encoded` makes at levels 0, 1, … that fits into `limit` bytes with
-/// its envelope, and its level.
-pub fn fit(limit: f64, encoded: impl Fn(u32) -> Vec<u8>) -> Option<(u32, Vec<u8>)> {
+/// The finest of the messages that `said` makes at levels 0, 1, … that has no more vertices than others
+/// accept and fits into `limit` bytes with its envelope: its level, and itself as a body.
+pub fn fit(limit: f64, max_vertices: u32, said: impl Fn(u32) -> Message) -> Option<(u32, Vec<u8>)> {
     let room = limit - Envelope::HEADER_BYTES_MAX as f64;
-    let bodies = (0..=LEVELS).map(|level| (level, encoded(level)));
-    bodies.into_iter().find(|(_, body)| body.len() as f64 <= room)
+    (0..=LEVELS).find_map(|level| {
+        let message = said(level);
+        check_vertices(max_vertices, &message).ok()?;
+        let body = encode(&message);
+        (body.len() as f64 <= room).then_some((level, body))
+    })
+}
+
+/// The body of a message.
+pub fn encode(message: &Message) -> Vec<u8> {
+    postcard::to_stdvec(message).expect("a message always serialises")
 }
 
 /// Simplifies sets by the distance from where somebody flies.

@@ -12,7 +12,7 @@ use csat_proto::raster::Raster;
 use csat_proto::region::Region;
 use csat_proto::time::{SimTime, Step};
 
-use super::budget::{Shortener, fit};
+use super::budget::{Shortener, encode, fit};
 use super::repair::{BLOCKS_PER_FACT, Repair};
 use crate::commons::Identity;
 use crate::config::{AgentConfig, ExchangeConfig, ExchangeMode};
@@ -203,7 +203,8 @@ impl Outbox {
     }
 
     /// All that is known, for one that joins late. The frame is told as part of what is known: as a
-    /// fact of its own it proves nothing more. `None` before the first fact was said.
+    /// fact of its own it proves nothing more. `None` before the first fact was said, and when nobody
+    /// would accept so much.
     pub fn answer(
         &mut self,
         now: SimTime,
@@ -224,7 +225,13 @@ impl Outbox {
             hidden,
             oem: OemPatch::of(knowledge.oem.known()),
         };
-        let body = encode(&Message::Snapshot(Box::new(Snapshot { fact, known: known(knowledge) })));
+        let known = known(knowledge);
+        let here = [[pose.p_world[0], pose.p_world[1]]];
+        let max_vertices = self.config.exchange.max_vertices;
+        let (_, body) = fit(f64::INFINITY, max_vertices, |level| {
+            let short = Shortener::new(level, &here, knowledge.ground());
+            Message::Snapshot(Box::new(short.snapshot(&fact, &known)))
+        })?;
         let channel = self.config.channels.snapshots;
         let sequence = FIRST_ANSWER + self.answers;
         self.answers += 1;
@@ -277,14 +284,16 @@ impl Outbox {
     }
 
     fn say_fact(&mut self, news: &News<'_>, repair: &mut Repair, limit: f64) -> Option<Said> {
-        let (level, body) = fit(limit, |level| encode(&Message::Fact(news.fact_at(level))))?;
+        let max_vertices = self.config.exchange.max_vertices;
+        let (level, body) = fit(limit, max_vertices, |level| Message::Fact(news.fact_at(level)))?;
         Some(self.say_news(self.config.channels.facts, news, repair, level, body))
     }
 
     fn say_snapshot(&mut self, news: &News<'_>, repair: &mut Repair) -> Option<Said> {
         let known = known(news.account.knowledge);
-        let (level, body) = fit(self.credit, |level| {
-            encode(&Message::Snapshot(Box::new(news.snapshot_at(level, &known))))
+        let max_vertices = self.config.exchange.max_vertices;
+        let (level, body) = fit(self.credit, max_vertices, |level| {
+            Message::Snapshot(Box::new(news.snapshot_at(level, &known)))
         })?;
         Some(self.say_news(self.config.channels.snapshots, news, repair, level, body))
     }
@@ -364,10 +373,6 @@ fn cells(deltas: impl Iterator<Item = OemDelta>) -> BTreeMap<u32, OemCell> {
 
 fn patch(cells: &BTreeMap<u32, OemCell>) -> OemPatch {
     OemPatch::of(cells.iter().map(|(&cell, &state)| OemDelta { cell, state }))
-}
-
-fn encode(message: &Message) -> Vec<u8> {
-    postcard::to_stdvec(message).expect("a message always serialises")
 }
 
 #[cfg(test)]

@@ -183,6 +183,7 @@ pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Mes
     if body != envelope.step {
         return Err(Rejection::Step { header: envelope.step.0, body: body.0 });
     }
+    check_vertices(config.exchange.max_vertices, &message)?;
     match &message {
         Message::Fact(fact) => check_fact(config, fact)?,
         Message::Snapshot(snapshot) => {
@@ -193,6 +194,35 @@ pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Mes
         Message::Plan(_) => {}
     }
     Ok(message)
+}
+
+/// Checks that a fact, and what was known before it, have at most `max` vertices each.
+///
+/// # Errors
+/// [`Rejection::TooManyVertices`] when they have more.
+pub fn check_vertices(max: u32, message: &Message) -> Result<(), Rejection> {
+    let within = |sets: &mut dyn Iterator<Item = &Region>| {
+        let (got, max) = (sets.map(Region::vertex_count).sum::<usize>(), max as usize);
+        if got <= max { Ok(()) } else { Err(Rejection::TooManyVertices { got, max }) }
+    };
+    match message {
+        Message::Fact(fact) => within(&mut sets_of_fact(fact)),
+        Message::Snapshot(snapshot) => {
+            within(&mut sets_of_fact(&snapshot.fact))?;
+            within(&mut sets_of_known(&snapshot.known))
+        }
+        Message::Plan(_) => Ok(()),
+    }
+}
+
+fn sets_of_fact(fact: &Fact) -> impl Iterator<Item = &Region> {
+    let of_targets = fact.targets.iter().flat_map(|t| [&t.location, &t.exclusion]);
+    [&fact.clear_ground, &fact.obstacle_margin].into_iter().chain(of_targets)
+}
+
+fn sets_of_known(known: &Known) -> impl Iterator<Item = &Region> {
+    let of_targets = known.targets.iter().map(|(_, set)| set);
+    [&known.unexplored, &known.obstacle_margin].into_iter().chain(of_targets)
 }
 
 fn check_header(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<(), Rejection> {
@@ -217,11 +247,7 @@ fn check_fact(config: &AgentConfig, fact: &Fact) -> Result<(), Rejection> {
     check_targets(fact.targets.iter().map(|t| t.target))?;
     check_rasters(config, [&fact.hidden, &fact.seen])?;
     check_cells(config, &fact.oem)?;
-    let regions = [&fact.clear_ground, &fact.obstacle_margin].into_iter();
-    check_regions(
-        config,
-        regions.chain(fact.targets.iter().flat_map(|t| [&t.location, &t.exclusion])),
-    )
+    check_regions(config, sets_of_fact(fact))
 }
 
 /// `frame` is the step of the frame that came with it.
@@ -230,8 +256,7 @@ fn check_known(config: &AgentConfig, known: &Known, frame: Step) -> Result<(), R
         return Err(Rejection::Step { header: frame.0, body: known.step.0 });
     }
     check_targets(known.targets.iter().map(|(j, _)| *j))?;
-    let regions = [&known.unexplored, &known.obstacle_margin].into_iter();
-    check_regions(config, regions.chain(known.targets.iter().map(|(_, set)| set)))
+    check_regions(config, sets_of_known(known))
 }
 
 fn check_digest(config: &AgentConfig, held: &Digest) -> Result<(), Rejection> {
@@ -261,13 +286,7 @@ fn check_regions<'a>(
     // Exclusions may reach over the border of the region by their radius.
     let slack_m = config.targets.target_distance_m + 1.0;
     let limit = config.ground.size_m.map(|size| to_units(size / 2.0 + slack_m));
-    let max = config.exchange.max_vertices as usize;
-    let mut vertices = 0;
     for region in regions {
-        vertices += region.vertex_count();
-        if vertices > max {
-            return Err(Rejection::TooManyVertices { got: vertices, max });
-        }
         let outside = |p: &csat_proto::region::GridPoint| {
             p.x.unsigned_abs() > limit[0] as u32 || p.y.unsigned_abs() > limit[1] as u32
         };

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use csat_agent::config::ExchangeMode;
+use csat_proto::agent::Agent;
 use csat_proto::ids::AgentId;
 use csat_proto::message::Message;
 use csat_proto::time::SimTime;
@@ -104,6 +105,28 @@ fn a_budget_is_kept_and_costs_only_looseness() {
         assert!(last_m2 > 1.02 * free.unexplored_m2, "{mode:?}: 300 B/s cost nothing");
         assert!(last_m2 < alone.unexplored_m2, "{mode:?}: 300 B/s told nothing");
     }
+}
+
+/// What others would not accept is made shorter, in answers too.
+#[test]
+fn no_more_vertices_are_said_than_are_accepted() {
+    let mut scenario = small(5, 140.0, 2);
+    scenario.exchange.max_vertices = 120;
+    scenario.exchange.snapshot_period_s = 2.0;
+    scenario.agents.start_offset_m = 0.0;
+    let mut flight = Flight::scripted(&scenario, script);
+    for _ in 0..30 {
+        flight.step();
+        flight.check_guarantee();
+        let now = flight.pair.time;
+        let [first, second] = &mut flight.pair.agents[..] else { unreachable!("a fleet of two") };
+        second.handle_message(now, &first.answer(now).expect("it knows something").bytes);
+        let vertices = first.knowledge().unexplored.region().vertex_count();
+        assert!(first.rejected().is_empty(), "{:?} of {vertices}", first.rejected());
+        assert!(second.rejected().is_empty(), "{:?} of {vertices}", second.rejected());
+    }
+    let unexplored = flight.pair.agent(0).knowledge().unexplored.region().vertex_count();
+    assert!(unexplored > 120, "{unexplored} vertices would have been accepted");
 }
 
 /// Plans are said whatever the budget: they come first.
