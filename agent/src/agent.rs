@@ -196,7 +196,10 @@ impl SetMembershipAgent {
             self.held.apply(self.config.id, self.config.incarnation, number);
         }
         for h in &heard {
-            self.held.apply(h.src, h.incarnation, h.fact.number);
+            // The fact that an answer is numbered by is among those that it lists.
+            if !h.is_answer {
+                self.held.apply(h.src, h.incarnation, h.fact.number);
+            }
             if h.known.is_some() || is_on(Mutant::ClaimsWhatOthersHold) {
                 self.held.adopt(&h.fact.held.facts);
                 self.repair.snapshot_heard(step);

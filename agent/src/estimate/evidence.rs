@@ -24,6 +24,8 @@ pub struct Heard {
     pub fact: Arc<Fact>,
     /// What it knew before.
     pub known: Option<Arc<Known>>,
+    /// Whether it answers one that joined late, under the number of a fact that is told elsewhere.
+    pub is_answer: bool,
     /// Of the message that said so.
     pub identity: Identity,
 }

@@ -66,7 +66,7 @@ impl Estimator {
         mut heard: Vec<Heard>,
     ) -> Changes {
         let before: Vec<TargetId> = knowledge.targets.keys().copied().collect();
-        heard.sort_by_key(|h| (h.fact.step, h.src, h.incarnation, h.fact.number));
+        heard.sort_by_key(|h| (h.fact.step, h.src, h.incarnation, h.fact.number, h.is_answer));
         if let Some((step, _)) = own {
             self.predictor.catch_up(knowledge, step);
         }

@@ -111,8 +111,10 @@ impl Inbox {
         };
         // An answer tells more than the fact whose number it has, even to who has applied that.
         let is_answer = sequence >= FIRST_ANSWER;
-        let stamp = (src, incarnation, fact.number, known.is_some());
-        let is_same = |h: &Heard| (h.src, h.incarnation, h.fact.number, h.known.is_some()) == stamp;
+        let is_same = |h: &Heard| {
+            let stamp = (h.src, h.incarnation, h.fact.number, h.known.is_some(), h.is_answer);
+            stamp == (src, incarnation, fact.number, known.is_some(), is_answer)
+        };
         let is_applied = !is_answer && held.has_applied(src, incarnation, fact.number);
         if is_applied || self.waiting.iter().any(is_same) {
             return Ok(Received::Repeat);
@@ -122,8 +124,9 @@ impl Inbox {
             return Err(Rejection::Full { max });
         }
         self.believe(src, incarnation);
-        self.waiting.push(Heard { src, incarnation, fact: fact.clone(), known, identity });
-        Ok(Received::Knowledge { from: src, p_world, fact })
+        let received = Received::Knowledge { from: src, p_world, fact: fact.clone() };
+        self.waiting.push(Heard { src, incarnation, fact, known, is_answer, identity });
+        Ok(received)
     }
 
     /// Something of this life of an agent was believed: earlier lives are over.

@@ -9,6 +9,7 @@ use csat_agent::estimate::evidence::Heard;
 use csat_agent::estimate::state::Knowledge;
 use csat_experiments::engine::StepTrace;
 use csat_experiments::set_membership::SetMembership;
+use csat_proto::agent::FIRST_ANSWER;
 use csat_proto::envelope::Envelope;
 use csat_proto::message::Message;
 
@@ -48,7 +49,7 @@ pub fn check(engine: &Swarm, trace: &StepTrace<SetMembership>) -> Result<u64, St
 }
 
 fn decode(bytes: &[u8]) -> Option<Heard> {
-    let Envelope { src, incarnation, body, .. } = Envelope::decode(bytes).ok()?;
+    let Envelope { src, incarnation, sequence, body, .. } = Envelope::decode(bytes).ok()?;
     let (fact, known) = match postcard::from_bytes(&body).ok()? {
         Message::Fact(fact) => (fact, None),
         Message::Snapshot(snapshot) => (snapshot.fact, Some(snapshot.known)),
@@ -59,6 +60,7 @@ fn decode(bytes: &[u8]) -> Option<Heard> {
         incarnation,
         fact: Arc::new(fact),
         known: known.map(Arc::new),
+        is_answer: sequence >= FIRST_ANSWER,
         identity: Identity::of(bytes),
     })
 }

@@ -2,6 +2,7 @@
 
 use csat_agent::config::ExchangeMode;
 use csat_proto::agent::Agent;
+use csat_proto::ids::AgentId;
 use csat_tests::flight::Flight;
 use csat_tests::geometry::difference_m2;
 use csat_tests::missions::small;
@@ -70,6 +71,29 @@ fn late_answers_are_grown_by_their_age() {
         }
         assert!(lead_m2(&flight) < before_m2, "{} of {before_m2}", lead_m2(&flight));
     });
+}
+
+/// An answer is numbered as the fact before it, and tells something else.
+#[test]
+fn an_answer_and_the_snapshot_of_its_number_are_both_heard() {
+    let mut flight = restarted(1, ExchangeMode::Snapshot);
+    flight.pair.filter = csat_tests::pair::silence();
+    flight.pair.keep_letters();
+    flight.step();
+    let now = flight.pair.time;
+    let answer = flight.pair.agents[0].answer(now).unwrap().bytes;
+    let said = flight.pair.letters.iter().find(|l| l.src == AgentId(0) && l.sent == now);
+    let snapshot = said.expect("it says a snapshot at every step").bytes.clone();
+    let hearing = |letters: &[&[u8]]| {
+        let mut agent = flight.pair.agents[1].clone();
+        letters.iter().for_each(|bytes| agent.handle_message(now, bytes));
+        agent.handle_timeout(now);
+        agent.digest()
+    };
+    let both = hearing(&[&answer, &snapshot]);
+    assert_eq!(hearing(&[&snapshot, &answer]), both, "in whatever order");
+    assert_ne!(hearing(&[&snapshot]), both);
+    assert_ne!(hearing(&[&answer]), both);
 }
 
 #[test]
