@@ -20,6 +20,7 @@ struct Flown {
     said: BTreeMap<AgentId, Vec<(f64, f64)>>,
     unexplored_m2: f64,
     identified: usize,
+    facts: usize,
     snapshots: usize,
 }
 
@@ -41,11 +42,13 @@ fn fly(mode: ExchangeMode, budget_bytes_s: f64) -> Flown {
     let known = flight.pair.agents.iter().map(|agent| agent.knowledge().targets.len());
     let letters = &flight.pair.letters;
     let snapshots = letters.iter().filter(|l| matches!(body(l), Message::Snapshot(_))).count();
+    let facts = letters.iter().filter(|l| matches!(body(l), Message::Fact(_))).count();
     Flown {
         said: said(letters),
+        facts: facts / 2,
+        snapshots: snapshots / 2,
         unexplored_m2: unexplored_m2 / f64::from(3 * STEPS),
         identified: known.sum(),
-        snapshots,
     }
 }
 
@@ -92,12 +95,17 @@ fn a_budget_is_kept_and_costs_only_looseness() {
                 bytes += said.iter().map(|(_, bytes)| bytes).sum::<f64>();
             }
             println!(
-                "  {budget_bytes_s} B/s: X̄ {:.0} m², {} targets known, {:.0} B/s used, {} snapshots",
+                "  {budget_bytes_s} B/s: X̄ {:.0} m², {} targets known, {:.0} B/s used, {} snapshots, {} \
+                 facts",
                 tight.unexplored_m2,
                 tight.identified,
                 bytes / 3.0 / f64::from(STEPS) / 0.5,
-                tight.snapshots / 2,
+                tight.snapshots,
+                tight.facts,
             );
+            if mode == ExchangeMode::FactsRepair {
+                assert!(tight.facts > 3 * STEPS as usize / 4, "{} facts", tight.facts);
+            }
             // Borders are simplified one way or another: a little more may be known by chance.
             assert!(tight.unexplored_m2 > 0.999 * last_m2, "{mode:?}: less said, more known");
             last_m2 = tight.unexplored_m2;
