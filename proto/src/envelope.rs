@@ -1,5 +1,6 @@
 //! How any message travels: magic and version, who, when, from where, checksum, body.
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::agent::MAX_MESSAGE_BYTES;
@@ -50,8 +51,8 @@ pub enum EnvelopeError {
     /// The checksum does not match: damaged on the way.
     #[error("checksum mismatch")]
     Checksum,
-    /// The header does not decode.
-    #[error("malformed header")]
+    /// The header does not decode, or something follows the body.
+    #[error("malformed header or end")]
     Malformed,
     /// The pose is not finite.
     #[error("pose is not finite")]
@@ -62,6 +63,12 @@ pub enum EnvelopeError {
 pub fn checksum(bytes: &[u8]) -> u32 {
     let stated = bytes.strip_prefix(&MAGIC).and_then(<[u8]>::first_chunk::<4>);
     stated.map_or(0, |checksum| u32::from_le_bytes(*checksum))
+}
+
+/// What `bytes` encode, unless they are malformed or too many.
+pub fn decode_whole<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    let (value, rest) = postcard::take_from_bytes(bytes).ok()?;
+    rest.is_empty().then_some(value)
 }
 
 impl Envelope {
@@ -92,7 +99,7 @@ impl Envelope {
         if crc32fast::hash(content) != u32::from_le_bytes(*checksum) {
             return Err(EnvelopeError::Checksum);
         }
-        let envelope: Self = postcard::from_bytes(content).map_err(|_| EnvelopeError::Malformed)?;
+        let envelope: Self = decode_whole(content).ok_or(EnvelopeError::Malformed)?;
         let Pose { p_world, yaw_rad, pitch_rad, roll_rad } = envelope.pose;
         if !p_world.iter().chain(&[yaw_rad, pitch_rad, roll_rad]).all(|x| x.is_finite()) {
             return Err(EnvelopeError::Pose);
@@ -138,6 +145,15 @@ mod tests {
         assert_eq!(Envelope::decode(&bytes[..7]), Err(EnvelopeError::Malformed));
         let long = vec![0; MAX_MESSAGE_BYTES + 1];
         assert!(matches!(Envelope::decode(&long), Err(EnvelopeError::TooLong { .. })));
+    }
+
+    #[test]
+    fn nothing_follows_the_body() {
+        let mut content = postcard::to_stdvec(&envelope()).unwrap();
+        content.push(0);
+        let checksum = crc32fast::hash(&content).to_le_bytes();
+        let bytes = [&MAGIC[..], &checksum, &content].concat();
+        assert_eq!(Envelope::decode(&bytes), Err(EnvelopeError::Malformed));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What is checked before anything in a message is believed.
 
-use csat_proto::envelope::{Envelope, EnvelopeError};
+use csat_proto::envelope::{Envelope, EnvelopeError, decode_whole};
 use csat_proto::ids::{AgentId, MAX_TARGETS, TargetId};
 use csat_proto::message::{Digest, Fact, Known, Message};
 use csat_proto::oem::OemPatch;
@@ -55,7 +55,7 @@ pub enum Rejection {
         /// The limit, seconds.
         max_s: f64,
     },
-    /// The body does not decode.
+    /// The body does not decode, or something follows it.
     #[error("malformed body")]
     Malformed,
     /// Steps of header and body differ.
@@ -173,8 +173,7 @@ pub fn check_sender(config: &AgentConfig, src: AgentId) -> Result<(), Rejection>
 /// The first reason not to believe it.
 pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Message, Rejection> {
     check_header(config, now, envelope)?;
-    let message: Message =
-        postcard::from_bytes(&envelope.body).map_err(|_| Rejection::Malformed)?;
+    let message: Message = decode_whole(&envelope.body).ok_or(Rejection::Malformed)?;
     let body = match &message {
         Message::Fact(fact) => fact.step,
         Message::Snapshot(snapshot) => snapshot.fact.step,

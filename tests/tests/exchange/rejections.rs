@@ -107,6 +107,7 @@ fn spoilt_bodies_are_rejected() {
     bench.expect("malformed", &bench.header(|e| e.body.clear()));
     bench.expect("malformed", &bench.header(|e| e.body[0] = 77));
     bench.expect("malformed", &bench.header(|e| e.body.truncate(40)));
+    bench.expect("malformed", &bench.header(|e| e.body.push(0)));
     bench.expect("step", &bench.fact(|f| f.step = Step(f.step.0 - 1)));
     bench.expect("step", &bench.known(|k| k.step = Step(k.step.0 + 2)));
     bench.expect("targets", &bench.fact(|f| f.targets.push(f.targets[0].clone())));
