@@ -7,12 +7,13 @@
 //! make the same sets in every agent.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::Pose;
 use csat_proto::command::YawCommand;
+use csat_proto::envelope::Envelope;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::message::{Digest, Fact, Plan};
@@ -57,10 +58,12 @@ pub enum Event {
         /// j.
         target: TargetId,
     },
-    /// A message was dropped, for a reason not yet reported.
+    /// A message was dropped, for a reason not yet reported of its sender.
     Rejected {
         /// The agent's step.
         step: Step,
+        /// The sender, where the message is whole enough to tell.
+        from: Option<AgentId>,
         /// Short name of the reason.
         reason: Cow<'static, str>,
         /// What was wrong, with values.
@@ -95,6 +98,8 @@ pub struct SetMembershipAgent {
     /// The newest fact of each neighbour, and where it told it, `world`, metres.
     last_facts: BTreeMap<AgentId, (Arc<Fact>, [f64; 2])>,
     rejected: BTreeMap<&'static str, u64>,
+    /// Of whose messages which reasons were reported.
+    reported: BTreeSet<(&'static str, Option<AgentId>)>,
     commands: VecDeque<YawCommand>,
     events: VecDeque<Event>,
     now: SimTime,
@@ -130,6 +135,7 @@ impl SetMembershipAgent {
             measured: None,
             last_facts: BTreeMap::new(),
             rejected: BTreeMap::new(),
+            reported: BTreeSet::new(),
             commands: VecDeque::new(),
             events: VecDeque::new(),
             now: SimTime(0),
@@ -255,14 +261,16 @@ impl SetMembershipAgent {
         std::iter::once(own).chain(self.last_facts.values().map(|(_, at)| *at)).collect()
     }
 
-    fn reject(&mut self, rejection: &Rejection) {
+    fn reject(&mut self, bytes: &[u8], rejection: &Rejection) {
         let reason = rejection.name();
-        let count = self.rejected.entry(reason).or_default();
-        *count += 1;
-        if *count == 1 {
+        *self.rejected.entry(reason).or_default() += 1;
+        // Who is not of the fleet is nobody: there may be any number of them.
+        let sender = Envelope::decode(bytes).ok().map(|envelope| envelope.src);
+        let from = sender.filter(|id| id.0 < self.config.fleet.count);
+        if self.reported.insert((reason, from)) {
             let (step, detail) = (self.knowledge.step, rejection.to_string());
-            tracing::warn!(agent = %self.config.id, reason, detail, "message dropped");
-            self.events.push_back(Event::Rejected { step, reason: reason.into(), detail });
+            tracing::warn!(agent = %self.config.id, ?from, reason, detail, "message dropped");
+            self.events.push_back(Event::Rejected { step, from, reason: reason.into(), detail });
         }
     }
 
@@ -355,11 +363,11 @@ impl Agent for SetMembershipAgent {
                         self.inbox.believe(from, incarnation);
                         self.stirred = true;
                     }
-                    Err(error) => self.reject(&Rejection::Plan(error)),
+                    Err(error) => self.reject(bytes, &Rejection::Plan(error)),
                 }
             }
             Ok(Received::Repeat) => {}
-            Err(rejection) => self.reject(&rejection),
+            Err(rejection) => self.reject(bytes, &rejection),
         }
     }
 

@@ -57,7 +57,8 @@ pub trait Agent: Send {
     /// When the agent next wants [`Self::handle_timeout`], if at all.
     fn poll_timeout(&self) -> Option<SimTime>;
 
-    /// A hash of everything the agent knows: equal digests mean equal states.
+    /// A hash of what the agent knows of the world: equal digests mean equal knowledge. What only serves
+    /// to come by it (messages that wait, views, plans) is left out.
     fn digest(&self) -> u64;
 }
 

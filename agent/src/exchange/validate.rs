@@ -66,6 +66,14 @@ pub enum Rejection {
         /// The body's.
         body: u32,
     },
+    /// What was known before a frame is of a later step than the frame.
+    #[error("knowledge of step {known} before a frame of step {frame}")]
+    KnownStep {
+        /// The knowledge's.
+        known: u32,
+        /// The frame's.
+        frame: u32,
+    },
     /// More vertices than are accepted.
     #[error("{got} vertices, at most {max} are accepted")]
     TooManyVertices {
@@ -140,6 +148,7 @@ impl Rejection {
             Self::TooOld { .. } => "too-old",
             Self::Malformed => "malformed",
             Self::Step { .. } => "step",
+            Self::KnownStep { .. } => "known-step",
             Self::TooManyVertices { .. } => "vertices",
             Self::Outside => "outside",
             Self::Winding => "winding",
@@ -252,7 +261,7 @@ fn check_fact(config: &AgentConfig, fact: &Fact) -> Result<(), Rejection> {
 /// `frame` is the step of the frame that came with it.
 fn check_known(config: &AgentConfig, known: &Known, frame: Step) -> Result<(), Rejection> {
     if known.step > frame {
-        return Err(Rejection::Step { header: frame.0, body: known.step.0 });
+        return Err(Rejection::KnownStep { known: known.step.0, frame: frame.0 });
     }
     check_targets(known.targets.iter().map(|(j, _)| *j))?;
     check_regions(config, sets_of_known(known))

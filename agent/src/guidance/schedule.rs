@@ -25,8 +25,6 @@ pub struct Pass {
     pub step: Step,
     /// 0, or 1 in the loopback.
     pub pass: u8,
-    /// Whether the command follows from this pass.
-    pub last: bool,
     /// The neighbours to account for, by increasing index.
     pub neighbours: Vec<AgentId>,
     /// Their poses at the ends of the N_MPC blocks from this decision on, in the same order.
@@ -47,12 +45,12 @@ pub enum PlanError {
         count: u16,
     },
     /// No decision is made then, or that one is not yet due.
-    #[error("plan for step {got}: decisions are every {blocks} steps and step {max} is the latest")]
+    #[error("plan for step {got}: decisions are every {steps} steps and step {max} is the latest")]
     NoSuchDecision {
         /// The plan's step.
         got: Step,
         /// Steps between decisions.
-        blocks: u32,
+        steps: u32,
         /// The latest step a plan may be for.
         max: Step,
     },
@@ -190,8 +188,8 @@ impl Scheduler {
         // The sender may have begun the next decision before this agent did.
         let max = Step(self.step.max(self.frame).0.saturating_add(self.steps_per_block));
         if plan.step > max || !self.decides_at(plan.step) {
-            let blocks = self.steps_per_block;
-            return Err(PlanError::NoSuchDecision { got: plan.step, blocks, max });
+            let steps = self.steps_per_block;
+            return Err(PlanError::NoSuchDecision { got: plan.step, steps, max });
         }
         if plan.pass >= self.passes {
             return Err(PlanError::NoSuchPass { got: plan.pass, passes: self.passes });
@@ -248,7 +246,7 @@ impl Scheduler {
                 poses.push(self.motion.forecast(&plan.poses, elapsed as usize, self.blocks));
             }
         }
-        Some(Pass { step: self.step, pass, last: pass + 1 >= self.passes, neighbours, poses })
+        Some(Pass { step: self.step, pass, neighbours, poses })
     }
 
     /// Whose plans the current pass waits for: those it builds on that have not said theirs.

@@ -1,9 +1,9 @@
 //! Everything that is not believed is dropped, counted by reason, reported once, and changes nothing.
 
-use csat_agent::agent::Event;
+use csat_agent::agent::{Event, SetMembershipAgent};
 use csat_agent::exchange::validate::Rejection;
 use csat_proto::agent::{Agent, MAX_MESSAGE_BYTES};
-use csat_proto::envelope::EnvelopeError;
+use csat_proto::envelope::{Envelope, EnvelopeError};
 use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
 use csat_proto::message::HeldFacts;
 use csat_proto::oem::{OemCell, OemDelta, OemPatch};
@@ -14,7 +14,7 @@ use csat_tests::geometry::Point;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::letters::digest;
+use super::letters::{digest, unread_fact};
 use super::spoiling::{Bench, ring, shape, square};
 
 /// Does not compile when a reason is added that is not tried below.
@@ -34,6 +34,7 @@ fn every_reason(rejection: &Rejection) {
         | Rejection::TooOld { .. }
         | Rejection::Malformed
         | Rejection::Step { .. }
+        | Rejection::KnownStep { .. }
         | Rejection::TooManyVertices { .. }
         | Rejection::Outside
         | Rejection::Winding
@@ -109,7 +110,7 @@ fn spoilt_bodies_are_rejected() {
     bench.expect("malformed", &bench.header(|e| e.body.truncate(40)));
     bench.expect("malformed", &bench.header(|e| e.body.push(0)));
     bench.expect("step", &bench.fact(|f| f.step = Step(f.step.0 - 1)));
-    bench.expect("step", &bench.known(|k| k.step = Step(k.step.0 + 2)));
+    bench.expect("known-step", &bench.known(|k| k.step = Step(k.step.0 + 2)));
     bench.expect("targets", &bench.fact(|f| f.targets.push(f.targets[0].clone())));
     let twice = vec![(TargetId(3), square(3.0, false)); 2];
     bench.expect("targets", &bench.known(|k| k.targets = twice));
@@ -214,6 +215,30 @@ fn digests_that_cannot_be_are_rejected() {
         (f.held.facts, f.held.oem) = (vec![life(0, 0), life(1, 4)], vec![7; blocks]);
         f.clear_ground = square(20.0, false);
     }));
+}
+
+/// What is wrong is reported of each sender once.
+#[test]
+fn a_reason_is_reported_of_every_sender() {
+    let (flight, letter) = unread_fact(3);
+    let mut config = flight.pair.agent(0).config().clone();
+    config.fleet.count = 3;
+    let mut agent = SetMembershipAgent::new(&config);
+    let now = flight.pair.time;
+    let mut reported = Vec::new();
+    for src in [1, 2, 9, 1, 2, 8] {
+        let mut envelope = Envelope::decode(&letter.bytes).unwrap();
+        (envelope.src, envelope.body) = (AgentId(src), Vec::new());
+        envelope.step = Step(0);
+        agent.handle_message(now, &envelope.encode());
+        reported.extend(std::iter::from_fn(|| agent.poll_event()).map(|event| match event {
+            Event::Rejected { from, reason, .. } => (from, reason.into_owned()),
+            other => panic!("{other:?}"),
+        }));
+    }
+    let malformed = |src: Option<u16>| (src.map(AgentId), "malformed".to_owned());
+    assert_eq!(reported, [malformed(Some(1)), malformed(Some(2)), malformed(None)]);
+    assert_eq!(agent.rejected().get("malformed"), Some(&6));
 }
 
 /// A fact of every UAV and step may wait, not more.
