@@ -47,7 +47,8 @@ impl Reach {
 }
 
 impl Outer {
-    /// A superset of (self ⊕ reach) ∩ bounds, by at most a sixteenth of the reach.
+    /// A superset of (self ⊕ reach) ∩ bounds. Corners that a simplification pushed out are pushed on by
+    /// the stages that follow, by up to three quarters of the reach.
     pub fn dilated_far(&self, reach: &Reach, bounds: &Region) -> Outer {
         if !reach.whole.fits(self.region()) {
             return Outer::containing(bounds.clone());
@@ -67,7 +68,7 @@ impl Outer {
 }
 
 impl Inner {
-    /// A subset of self ⊖ reach, by at most a sixteenth of the reach.
+    /// A subset of self ⊖ reach that contains all that is farther inside by a quarter of the reach.
     pub fn eroded_far(&self, reach: &Reach) -> Inner {
         if !reach.whole.fits(self.region()) {
             return Inner::default();

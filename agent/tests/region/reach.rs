@@ -20,18 +20,16 @@ fn a_far_dilation_contains_the_exact_one_and_little_more() {
         let missing_m2 = excess_m2(exact.region(), &far);
         let allowed_m2 = ROUNDING_M * perimeter_m(exact.region()) + 1e-9;
         assert!(missing_m2 <= allowed_m2, "{missing_m2} m² missing of a reach of {radius_m} m");
-        // Corners that simplification pushed out are pushed on by the stages that follow.
-        let limit_m = radius_m * 1.5 + 0.01;
         for p in far.rings().flatten() {
             let beyond_m = exact.region().distance_m(metres(*p));
-            assert!(beyond_m <= 0.5 * limit_m, "{beyond_m} m too far for {radius_m} m");
+            assert!(beyond_m <= 0.75 * radius_m + 0.005, "{beyond_m} m too far for {radius_m} m");
         }
     });
 }
 
 #[test]
-fn a_far_erosion_is_contained_in_the_exact_one() {
-    cases("a_far_erosion_is_contained_in_the_exact_one", 400, |rng| {
+fn a_far_erosion_is_contained_in_the_exact_one_and_little_less() {
+    cases("a_far_erosion_is_contained_in_the_exact_one_and_little_less", 400, |rng| {
         let region = any_region(rng);
         let radius_m = rng.random_range(0.0..20.0);
         let vertices = rng.random_range(4..=24);
@@ -40,6 +38,11 @@ fn a_far_erosion_is_contained_in_the_exact_one() {
         let far = set.eroded_far(&Reach::new(radius_m, vertices)).into_region();
         let extra_m2 = excess_m2(&far, &exact);
         assert!(extra_m2 <= ROUNDING_M * perimeter_m(&far) + 1e-9, "{extra_m2} m² too much");
+        let farther = Disc::circumscribed(radius_m * 1.25 + 0.01, vertices);
+        let surely = set.eroded(&farther).into_region();
+        let missing_m2 = excess_m2(&surely, &far);
+        let allowed_m2 = ROUNDING_M * perimeter_m(&surely) + 1e-9;
+        assert!(missing_m2 <= allowed_m2, "{missing_m2} m² missing after a reach of {radius_m} m");
     });
 }
 
