@@ -3,7 +3,7 @@
 use csat_proto::ids::AgentId;
 use csat_proto::time::SimTime;
 
-use crate::config::NetemConfig;
+use crate::config::{NetemConfig, OutageKind};
 use crate::fate::Reason;
 use crate::rule::{Case, Rule};
 
@@ -20,6 +20,11 @@ impl Span {
         Self { from: SimTime::from_seconds(from_s), until: SimTime::from_seconds(until_s) }
     }
 
+    /// Whether any instant from `first` to `last` is in it.
+    fn meets(&self, first: SimTime, last: SimTime) -> bool {
+        self.contains(last) || (self.from <= last && self.until > first)
+    }
+
     /// Whether `time` is in it.
     pub(crate) fn contains(&self, time: SimTime) -> bool {
         self.from <= time && (time < self.until || self.until == SimTime(u64::MAX))
@@ -28,22 +33,34 @@ impl Span {
 
 /// Who is out when.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Outages(Vec<(AgentId, Span)>);
+pub struct Outages(Vec<(AgentId, Span, OutageKind)>);
 
 impl Outages {
     /// The outages of a scenario; a crash is one too.
     pub fn new(config: &NetemConfig) -> Self {
         let outages = config.outage.iter();
-        Self(outages.map(|o| (AgentId(o.agent), Span::new(o.from_s, o.until_s))).collect())
+        Self(outages.map(|o| (AgentId(o.agent), Span::new(o.from_s, o.until_s), o.kind)).collect())
     }
 
     /// Whether `agent` is out.
     pub fn is_out(&self, agent: AgentId, time: SimTime) -> bool {
-        self.0.iter().any(|(out, span)| *out == agent && span.contains(time))
+        self.0.iter().any(|(out, span, _)| *out == agent && span.contains(time))
+    }
+
+    /// Whether what `agent` was told to send at `sent` cannot leave at `departs`: its radio is off, or
+    /// it waited in a queue that was lost in a crash.
+    fn silence(&self, agent: AgentId, sent: SimTime, departs: SimTime) -> bool {
+        self.0.iter().any(|(out, span, kind)| {
+            let is_silent = match kind {
+                OutageKind::Radio => span.contains(departs),
+                OutageKind::Crash => span.meets(sent, departs),
+            };
+            *out == agent && is_silent
+        })
     }
 }
 
-/// Loses what an agent sends while it is out. Messages that left before are not touched.
+/// Loses what would leave an agent while it is out. Messages that left before are not touched.
 pub struct SourceOutage(Outages);
 
 impl SourceOutage {
@@ -55,8 +72,8 @@ impl SourceOutage {
 
 impl Rule for SourceOutage {
     fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason> {
-        let is_out = self.0.is_out(case.sent.src, case.sent.time);
-        if is_out { Err(Reason::Outage) } else { Ok(()) }
+        let is_silent = self.0.silence(case.sent.src, case.sent.time, case.departs());
+        if is_silent { Err(Reason::Outage) } else { Ok(()) }
     }
 }
 
@@ -75,6 +92,7 @@ mod tests {
             outage: vec![
                 outage(0, 1.0, 2.0, OutageKind::Radio),
                 outage(1, 5.0, f64::INFINITY, OutageKind::Crash),
+                outage(2, 5.0, 6.0, OutageKind::Crash),
             ],
             ..Default::default()
         };
@@ -87,6 +105,13 @@ mod tests {
         assert_eq!(judge_alone(&rule, &sent(0)), Err(Reason::Outage));
         let later = Sent { time: SimTime::from_seconds(2.0), ..sent(0) };
         assert!(judge_alone(&rule, &later).is_ok());
+        let silence =
+            |agent, sent, departs| outages.silence(AgentId(agent), SimTime(sent), SimTime(departs));
+        assert!(silence(0, 0, 1_500_000), "it waited until the radio was off");
+        assert!(!silence(0, 0, 2_000_000), "it waited until the radio was on again");
+        assert!(silence(1, 0, 9_000_000) && silence(1, 0, u64::MAX) && !silence(1, 0, 4_999_999));
+        assert!(silence(2, 0, 9_000_000), "the queue of its first life is lost");
+        assert!(!silence(2, 6_000_000, 9_000_000), "it is alive again");
         // The receiver's outage counts when the message arrives, not when it is sent.
         let to_the_dead = Sent { src: AgentId(2), dst: AgentId(0), ..sent(0) };
         assert!(judge_alone(&rule, &to_the_dead).is_ok());

@@ -49,7 +49,9 @@ const REMEMBERED: usize = 1024;
 /// One sender on one channel: its bucket and the latest verdicts.
 #[derive(Debug, Clone, Default)]
 pub struct Sender {
+    /// Of the newest life: whoever comes back begins with an empty queue.
     bucket: Bucket,
+    life: Incarnation,
     /// By life and number.
     verdicts: VecDeque<((Incarnation, u64), Departure)>,
 }
@@ -79,6 +81,9 @@ impl Sender {
             }
             _ => self.verdicts.len(),
         };
+        if sent.incarnation > self.life {
+            (self.life, self.bucket) = (sent.incarnation, Bucket::default());
+        }
         let departure = match silenced {
             true => Departure::After(0.0),
             false => self.bucket.take(config, sent),
@@ -165,14 +170,30 @@ mod tests {
     #[test]
     fn memory_is_bounded_and_what_is_forgotten_costs_nothing() {
         let mut sender = Sender::default();
-        let config = RateConfig::default();
-        for i in 0..3 * REMEMBERED as u64 {
+        let config = RateConfig { queue_bytes: u64::MAX, ..CONFIG };
+        let next = 3 * REMEMBERED as u64;
+        for i in 0..next {
             sender.depart(&config, &message(i, 1.0), false);
         }
         assert_eq!(sender.verdicts.len(), REMEMBERED);
+        let mut unasked = sender.clone();
         assert!(!sender.depart(&config, &message(0, 1.0), false).1);
-        let next_life = Sent { incarnation: Incarnation(1), ..message(0, 1.0) };
-        assert!(sender.depart(&config, &next_life, false).1);
+        let wait = sender.depart(&config, &message(next, 1.0), false);
+        assert_eq!(wait, unasked.depart(&config, &message(next, 1.0), false));
+        assert_eq!(wait, (Departure::After(next as f64 - 0.5), true), "a second for each before");
+    }
+
+    #[test]
+    fn a_new_life_begins_with_an_empty_queue() {
+        let mut sender = Sender::default();
+        for i in 0..3 {
+            sender.depart(&CONFIG, &message(i, 1.0), false);
+        }
+        let reborn = |i| Sent { incarnation: Incarnation(1), ..message(i, 1.0) };
+        let waits = [0, 1].map(|i| sender.depart(&CONFIG, &reborn(i), false));
+        assert_eq!(waits, [0.0, 0.5].map(|wait| (Departure::After(wait), true)));
+        // Of the old one everybody is told what the first was told.
+        assert_eq!(sender.depart(&CONFIG, &message(2, 1.0), false), (Departure::After(1.5), false));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use csat_proto::ids::ChannelId;
+use csat_proto::time::SimTime;
 
 pub use crate::fate::{Delivery, Fate, Reason};
 
@@ -10,7 +11,7 @@ use crate::chain::Chain;
 use crate::config::{ChannelConfig, NetemConfig};
 use crate::delay::{Delay, Scores};
 use crate::draw::{Block, Draws};
-use crate::fate::Sent;
+use crate::fate::{Sent, after};
 use crate::jam::Jamming;
 use crate::loss::{Loss, LossState};
 use crate::outage::SourceOutage;
@@ -46,6 +47,16 @@ pub struct Case<'a> {
     pub duplicated: bool,
     /// Seconds until it arrives, and until its copy does.
     pub delays_s: [f64; 2],
+}
+
+impl Case<'_> {
+    /// When the message leaves its sender, as far as that depends on the queue.
+    pub(crate) fn departs(&self) -> SimTime {
+        match self.departure {
+            Departure::After(seconds) => after(self.sent.time, seconds),
+            Departure::Dropped => self.sent.time,
+        }
+    }
 }
 
 /// What one life of a link remembers. All of it can be computed again from the seed.

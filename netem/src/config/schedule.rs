@@ -19,7 +19,7 @@ pub struct OutageConfig {
     pub kind: OutageKind,
 }
 
-/// What failed in an outage; for the links it is the same.
+/// What failed in an outage. To the links it is the same, but that a crash loses the queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutageKind {

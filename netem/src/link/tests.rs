@@ -1,6 +1,7 @@
 use super::*;
 use crate::config::{
     DelayConfig, LossConfig, OutageConfig, OutageKind, PartitionConfig, PropagationConfig,
+    RateConfig,
 };
 use crate::fate::tests::sent;
 use proptest::prelude::*;
@@ -224,6 +225,23 @@ fn reconfiguring_keeps_queues_and_chains() {
         links.reconfigure(&NetemConfig { radio: frozen, ..Default::default() });
         assert!((10..100).all(|i| links.fate(&sent(i)).first == last));
     }
+}
+
+/// What waits for its turn needs a radio when that comes, and a sender that has lived on.
+#[test]
+fn a_queue_does_not_leave_through_a_radio_that_is_off() {
+    let rate = RateConfig { bytes_s: 100.0, burst_bytes: 0, queue_bytes: 1000 };
+    let lost = |kind| {
+        let radio = ChannelConfig { rate, ..Default::default() };
+        let outage = vec![OutageConfig { kind, ..outage(0, 2.5, 4.5) }];
+        let config = NetemConfig { radio, outage, ..Default::default() };
+        let mut links = Links::new(&config, 1, None);
+        // They leave at 2, 3, 4 and 5 s.
+        let mut at_once = |i| links.fate(&Sent { time: SimTime(1_000_000), bytes: 100, ..sent(i) });
+        [0, 1, 2, 3].map(|i| at_once(i).first == Err(Reason::Outage))
+    };
+    assert_eq!(lost(OutageKind::Radio), [false, true, true, false]);
+    assert_eq!(lost(OutageKind::Crash), [false, true, true, true]);
 }
 
 #[test]
