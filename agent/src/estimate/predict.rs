@@ -10,8 +10,9 @@ use crate::config::AgentConfig;
 use crate::mutant::{Mutant, is_on};
 use crate::region::{Disc, Grown, Outer};
 
-/// What is smaller than this is gone before a set grows, metres: sets that are the same but for
-/// rounding, as those of two agents are, leave slivers where they meet.
+/// Sets are simplified by at least this before they grow, metres: where sets meet that are the same but
+/// for rounding, as those of two agents are, borders have details of that size. Notches and gaps are
+/// filled; a sliver that belongs to the set stays, as an outer set may not lose it.
 const SLIVER_M: f64 = 1e-3;
 
 /// The sets of step k, predicted from step k-1 (4.24)-(4.26).
