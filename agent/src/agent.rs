@@ -58,11 +58,11 @@ pub enum Event {
         /// j.
         target: TargetId,
     },
-    /// A message was dropped, for a reason not yet reported of its sender.
+    /// A message or an own frame was dropped, for a reason not yet reported of its sender.
     Rejected {
         /// The agent's step.
         step: Step,
-        /// The sender, where the message is whole enough to tell.
+        /// The sender; `None` for a frame, and where a message is too damaged to tell.
         from: Option<AgentId>,
         /// Short name of the reason.
         reason: Cow<'static, str>,
@@ -261,15 +261,18 @@ impl SetMembershipAgent {
         std::iter::once(own).chain(self.last_facts.values().map(|(_, at)| *at)).collect()
     }
 
-    fn reject(&mut self, bytes: &[u8], rejection: &Rejection) {
+    /// Who of the fleet sent a message. Who is not of it is nobody: there may be any number of them.
+    fn sender_of(&self, bytes: &[u8]) -> Option<AgentId> {
+        let sender = Envelope::decode(bytes).ok()?.src;
+        (sender.0 < self.config.fleet.count).then_some(sender)
+    }
+
+    fn reject(&mut self, from: Option<AgentId>, rejection: &Rejection) {
         let reason = rejection.name();
         *self.rejected.entry(reason).or_default() += 1;
-        // Who is not of the fleet is nobody: there may be any number of them.
-        let sender = Envelope::decode(bytes).ok().map(|envelope| envelope.src);
-        let from = sender.filter(|id| id.0 < self.config.fleet.count);
         if self.reported.insert((reason, from)) {
             let (step, detail) = (self.knowledge.step, rejection.to_string());
-            tracing::warn!(agent = %self.config.id, ?from, reason, detail, "message dropped");
+            tracing::warn!(agent = %self.config.id, ?from, reason, detail, "dropped");
             self.events.push_back(Event::Rejected { step, from, reason: reason.into(), detail });
         }
     }
@@ -318,7 +321,7 @@ impl Agent for SetMembershipAgent {
         let last = self.step();
         if self.measured.is_some() && frame.step <= last {
             // What it shows is of then, and would be believed of now.
-            return self.reject(&Rejection::OldFrame { got: frame.step.0, last: last.0 });
+            return self.reject(None, &Rejection::OldFrame { got: frame.step.0, last: last.0 });
         }
         self.stirred = true;
         self.pose = frame.pose;
@@ -363,11 +366,11 @@ impl Agent for SetMembershipAgent {
                         self.inbox.believe(from, incarnation);
                         self.stirred = true;
                     }
-                    Err(error) => self.reject(bytes, &Rejection::Plan(error)),
+                    Err(error) => self.reject(Some(from), &Rejection::Plan(error)),
                 }
             }
             Ok(Received::Repeat) => {}
-            Err(rejection) => self.reject(bytes, &rejection),
+            Err(rejection) => self.reject(self.sender_of(bytes), &rejection),
         }
     }
 

@@ -169,7 +169,8 @@ fn read(letters: &[Vec<u8>]) -> (Vec<Heard>, Vec<Vec<Pose>>) {
         match postcard::from_bytes(&body).expect("an agent's own message") {
             Message::Fact(fact) => {
                 let (fact, identity) = (Arc::new(fact), Identity::of(bytes));
-                facts.push(Heard { src, incarnation, fact, known: None, identity });
+                let is_answer = false;
+                facts.push(Heard { src, incarnation, fact, known: None, is_answer, identity });
             }
             Message::Plan(plan) if plan.pass == 0 => plans.push(plan.poses),
             Message::Plan(_) | Message::Snapshot(_) => {}

@@ -236,11 +236,7 @@ fn impossible_values_are_explained() {
         ("estimator.simplify_margin_m=-1", "-1", "0 or a number above it"),
         ("estimator.simplify_margin_m=nan", "NaN", "0 or a number above it"),
         ("exchange.max_vertices=3", "3", "a whole number, 4 or more"),
-        (
-            "exchange.repair_period_s=0",
-            "0",
-            "at least run.period_s = 0.5 s and at most 1000000 s",
-        ),
+        ("exchange.repair_period_s=0", "0", "at least run.period_s = 0.5 s and at most 1000000 s"),
         ("exchange.repair_delay_s=-1", "-1", "a time from 0 to 1000000 s"),
         ("agents.count=-1", "-1", "a whole number from 1 to 1024"),
         ("agents.count=2.5", "2.5", "a whole number from 1 to 1024"),
