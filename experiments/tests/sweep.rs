@@ -233,11 +233,11 @@ fn tables_vary_and_perfect_links_are_flown_for_comparison() {
             "01-loss-iid-p-0.1-seed4.json",
             "02-loss-most-seed1.json",
             "02-loss-most-seed4.json",
-            "baseline-seed1.json",
-            "baseline-seed4.json",
+            "baseline01-seed1.json",
+            "baseline01-seed4.json",
         ]
     );
-    let baseline = json(&base.path().join("out/runs/baseline-seed4.json"));
+    let baseline = json(&base.path().join("out/runs/baseline01-seed4.json"));
     let replay =
         baseline["replay"].as_str().unwrap().replacen("csat", env!("CARGO_BIN_EXE_csat"), 1);
     let flown = std::process::Command::new("sh")

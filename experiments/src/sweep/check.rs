@@ -48,7 +48,11 @@ pub fn manifest(request: manifest::Request) -> Result<(Manifest, Vec<String>), S
         points.extend(perfect);
     }
     let warnings = checked.warnings.clone();
-    Ok((Manifest::new(request, points, checked), warnings))
+    let manifest = Manifest::new(request, points, checked);
+    match manifest.flaw() {
+        None => Ok((manifest, warnings)),
+        Some(flaw) => Err(SweepError::Refused(format!("error: {flaw}"))),
+    }
 }
 
 /// Loads one run of a point. A baseline has perfect links whatever the sets left over.

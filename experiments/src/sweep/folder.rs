@@ -171,7 +171,7 @@ impl SweepFolder {
     /// # Errors
     /// When there is none, or it is none.
     pub fn manifest(&self) -> Result<Manifest, SweepError> {
-        let path = self.root.join(MANIFEST);
+        let (path, expected) = (self.root.join(MANIFEST), "the manifest of a sweep");
         if !path.exists() {
             let folder = self.root.display();
             let text = format!(
@@ -180,7 +180,11 @@ impl SweepFolder {
             );
             return Err(SweepError::Refused(text));
         }
-        read_json(&path, "the manifest of a sweep")
+        let manifest: Manifest = read_json(&path, expected)?;
+        match manifest.flaw() {
+            None => Ok(manifest),
+            Some(reason) => Err(SweepError::Unreadable { path, expected, reason }),
+        }
     }
 
     /// The path of a run's file.

@@ -1,5 +1,7 @@
 //! `sweep.json`: what belongs to a sweep. Shards, threads and folders are no part of it.
 
+use std::collections::BTreeSet;
+
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -84,6 +86,13 @@ impl Manifest {
     /// What the run files of this sweep carry, so that none of another one is taken for theirs.
     pub fn fingerprint(&self) -> String {
         format!("{:016x}", xxh3_64(self.to_json().as_bytes()))
+    }
+
+    /// What is wrong with it, as it may be after somebody edited its file.
+    pub fn flaw(&self) -> Option<String> {
+        let mut names = BTreeSet::new();
+        let twice = self.points.iter().find(|point| !names.insert(&point.name));
+        twice.map(|point| format!("two points are called `{}` and would share files", point.name))
     }
 
     /// The seeds.
@@ -251,6 +260,15 @@ pub(crate) mod tests {
         for axis in &manifest.vary {
             assert_eq!(Axis::parse(&axis.argument()).unwrap(), *axis);
         }
+    }
+
+    #[test]
+    fn points_that_share_files_are_a_flaw() {
+        let mut manifest = sample(&["netem.radio.range_m=25,50", "a=3,-3"], "1");
+        assert_eq!(manifest.flaw(), None);
+        let name = manifest.points[4].name.clone();
+        manifest.points[5].name.clone_from(&name);
+        assert!(manifest.flaw().is_some_and(|flaw| flaw.contains(&name)));
     }
 
     #[test]

@@ -12,6 +12,8 @@ use crate::scenario::Mistake;
 pub const MAX_RUNS: usize = 1_000_000;
 /// The longest part of a file's name that values give, characters.
 const SLUG: usize = 60;
+/// What the names of points begin with that are flown for comparison only.
+const BASELINE: &str = "baseline";
 
 /// A combination of values.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,7 +33,7 @@ pub struct Point {
 impl Point {
     /// Whether it stands for perfect links only, outside of the combinations asked for.
     pub fn is_baseline(&self) -> bool {
-        self.choice.iter().any(Option::is_none) || self.name.starts_with("baseline")
+        self.choice.iter().any(Option::is_none) || self.name.starts_with(BASELINE)
     }
 
     /// The name of its run with this seed.
@@ -133,13 +135,14 @@ pub fn baselines(axes: &[Axis], points: &[Point]) -> Vec<Point> {
             missing.push(choice);
         }
     }
-    let baseline = |choice| {
-        let mut point = point(axes, choice, "baseline".to_owned());
+    // Numbered like all points: what follows the number need not tell them apart.
+    let baseline = |(i, choice)| {
+        let mut point = point(axes, choice, format!("{BASELINE}{:02}", i + 1));
         point.sets.extend(perfect_links());
         point.perfect = true;
         point
     };
-    missing.into_iter().map(baseline).collect()
+    missing.into_iter().enumerate().map(baseline).collect()
 }
 
 /// The sets that make all links perfect.
@@ -218,6 +221,20 @@ mod tests {
         assert_eq!(missing[0].sets[0], "agents.count=4");
         assert!(missing[0].sets.iter().any(|s| s.starts_with("netem.radio={")), "{missing:?}");
         assert_eq!(missing[0].describe(&axes), "perfect links, agents.count=4");
+    }
+
+    /// `3` and `-3` look the same in a file's name, and so do long values.
+    #[test]
+    fn no_two_points_share_a_file() {
+        let long = ["a", "b"].map(|end| format!("'{}{end}'", "x".repeat(2 * SLUG))).join(",");
+        for values in ["3,-3", "'ä','ö'", &long] {
+            let axes = axes(&["netem.radio.range_m=25,50", &format!("a.b={values}")]);
+            let mut points = points(&axes);
+            points.extend(baselines(&axes, &points));
+            let names: BTreeSet<&str> = points.iter().map(|p| p.name.as_str()).collect();
+            assert_eq!(names.len(), 6, "{names:?}");
+            assert!(points[4].name.starts_with("baseline01"), "{names:?}");
+        }
     }
 
     #[test]
