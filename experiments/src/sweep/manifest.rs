@@ -90,15 +90,22 @@ impl Manifest {
 
     /// What is wrong with it, as it may be after somebody edited its file.
     pub fn flaw(&self) -> Option<String> {
+        if let Err(error) = super::seeds::parse_seeds(&self.seeds) {
+            return Some(format!("seeds: {error}"));
+        }
         let mut names = BTreeSet::new();
-        let twice = self.points.iter().find(|point| !names.insert(&point.name));
-        twice.map(|point| format!("two points are called `{}` and would share files", point.name))
+        self.points.iter().find_map(|point| {
+            if !names.insert(&point.name) {
+                return Some(format!("two points are called `{}` and share files", point.name));
+            }
+            let flaw = point.flaw(&self.vary)?;
+            Some(format!("point `{}`: {flaw}", point.name))
+        })
     }
 
     /// The seeds.
     pub fn seed_list(&self) -> Vec<u64> {
-        // They were parsed before they were written; an edited file has another fingerprint.
-        super::seeds::parse_seeds(&self.seeds).unwrap_or_default()
+        super::seeds::parse_seeds(&self.seeds).expect("a manifest without flaws has seeds")
     }
 
     /// All runs, seed by seed: what is there of an unfinished sweep covers every point.
@@ -269,6 +276,24 @@ pub(crate) mod tests {
         let name = manifest.points[4].name.clone();
         manifest.points[5].name.clone_from(&name);
         assert!(manifest.flaw().is_some_and(|flaw| flaw.contains(&name)));
+    }
+
+    #[test]
+    fn what_an_editor_may_break_is_a_flaw() {
+        let good = sample(&["a=1,2", "b,c=(1,2)"], "1..4");
+        let flaw = |edit: fn(&mut Manifest)| {
+            let mut manifest = good.clone();
+            edit(&mut manifest);
+            manifest.flaw().unwrap_or_default()
+        };
+        assert_eq!(flaw(|_| ()), "");
+        assert!(flaw(|m| m.seeds = "5..1".into()).starts_with("seeds: `5..1` has no seed"));
+        assert_eq!(
+            flaw(|m| m.points[1].choice = vec![Some(9), Some(0)]),
+            "point `02-a-2-b-c-1-2`: there is no value 9 of `a`, which has 2 (from 0)"
+        );
+        assert!(flaw(|m| m.points[0].choice = vec![Some(0)]).ends_with("1 choices for 2 axes"));
+        assert!(flaw(|m| m.vary[1].values[0].texts.clear()).contains("0 texts for `b, c`"));
     }
 
     #[test]

@@ -41,6 +41,23 @@ impl Point {
         format!("{}-seed{seed}", self.name)
     }
 
+    /// What in it does not belong to these axes, as it may be after somebody edited its file.
+    pub fn flaw(&self, axes: &[Axis]) -> Option<String> {
+        if self.choice.len() != axes.len() {
+            return Some(format!("{} choices for {} axes", self.choice.len(), axes.len()));
+        }
+        axes.iter().zip(&self.choice).find_map(|(axis, choice)| {
+            let (index, title, count) = ((*choice)?, axis.title(), axis.values.len());
+            let Some(value) = axis.values.get(index) else {
+                return Some(format!(
+                    "there is no value {index} of `{title}`, which has {count} (from 0)"
+                ));
+            };
+            let texts = value.texts.len();
+            (texts != axis.keys.len()).then(|| format!("{texts} texts for `{title}`"))
+        })
+    }
+
     /// Its value of an axis, for people.
     pub fn shown(&self, axes: &[Axis], axis: usize) -> String {
         match self.choice[axis] {
