@@ -87,7 +87,13 @@ fn a_killed_agent_is_noticed_and_comes_back() {
     assert!(events.contains(r#"{"agent":1,"event":"crashed""#), "{events}");
     let back = events.lines().find(|line| line.contains(r#""event":"restarted""#));
     assert!(back.is_some_and(|line| line.ends_with("\"incarnation\":1}")), "{events}");
-    assert_eq!(json(&folder.path().join("out/summary.json"))["violations"], 0);
+    let summary = json(&folder.path().join("out/summary.json"));
+    assert_eq!(summary["violations"], 0);
+    // Links count on across the processes at their ends.
+    let mut links = csv::Reader::from_path(folder.path().join("out/links.csv")).unwrap();
+    let column = links.headers().unwrap().iter().position(|name| name == "sent").unwrap();
+    let sent = links.records().map(|row| row.unwrap()[column].parse::<u64>().unwrap());
+    assert_eq!(sent.sum::<u64>(), summary["messages"]["sent"].as_u64().unwrap());
     expect_nobody(&endpoint);
 }
 

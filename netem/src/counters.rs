@@ -88,6 +88,21 @@ impl LinkCounters {
         self.sent + self.duplicated == self.delivered + dropped + self.in_flight
     }
 
+    /// Adds what the same link did at other times.
+    pub fn add(&mut self, other: &Self) {
+        self.sent += other.sent;
+        self.delivered += other.delivered;
+        self.duplicated += other.duplicated;
+        self.corrupted += other.corrupted;
+        for (reason, count) in &other.dropped {
+            *self.dropped.entry(*reason).or_default() += count;
+        }
+        self.in_flight += other.in_flight;
+        self.bytes_sent += other.bytes_sent;
+        self.delay_s += other.delay_s;
+        self.distance_m += other.distance_m;
+    }
+
     /// The mean delay of what arrived, seconds; `None` before anything did.
     pub fn mean_delay_s(&self) -> Option<f64> {
         (self.delivered > 0).then(|| self.delay_s / self.delivered as f64)

@@ -5,19 +5,20 @@
 //! | [`port`] | the world's Zenoh keys |
 //! | [`roster`] | which processes there are, and whether all hear each other |
 //! | [`account`] | what a process tells at the end of a step |
+//! | [`ended`] | what the links of processes that are gone did |
 //!
 //! In lockstep a step is a frame for each agent, then turns until nothing is left for the instant,
 //! then a report of each; each round waits for everybody. In real time frames and the end of the step
 //! come by the clock, and whoever is late is left out.
 
 pub mod account;
+pub mod ended;
 pub mod port;
 pub mod roster;
 
 use std::time::Duration;
 
 use csat_netem::counters::{Counters, LinkCounters};
-use csat_netem::fate::Reason;
 use csat_netem::link::LinkId;
 use csat_proto::control::{Done, FrameHeader, Order, Pace, SaidSoFar};
 use csat_proto::ids::AgentId;
@@ -26,6 +27,7 @@ use csat_world::camera::Renderer;
 use rayon::prelude::*;
 
 use self::account::Account;
+use self::ended::Ended;
 use self::port::{News, Port};
 use self::roster::Roster;
 use super::{Brief, Fleet, Flown, Frames};
@@ -77,7 +79,7 @@ struct Member<R> {
     /// Whether that is new.
     is_new: bool,
     /// What became of messages to processes that are gone.
-    ended: Counters,
+    ended: Ended,
     /// Frames that it was shown in all its lives.
     shown: u64,
     /// Frames that processes that are gone looked at.
@@ -112,7 +114,7 @@ impl<M: Mission> RemoteFleet<M> {
             commands: Vec::new(),
             account: None,
             is_new: false,
-            ended: Counters::default(),
+            ended: Ended::default(),
             shown: 0,
             ended_looked: 0,
         };
@@ -218,14 +220,9 @@ impl<M: Mission> RemoteFleet<M> {
     /// A process is gone, and with it what was on its way to it.
     fn bury(&mut self, agent: AgentId) {
         let member = &mut self.members[usize::from(agent.0)];
-        let mut last = member.account.as_ref().map(|a| a.counters.clone()).unwrap_or_default();
-        if last.in_flight > 0 {
-            *last.dropped.entry(Reason::Outage).or_default() += last.in_flight;
-            last.in_flight = 0;
-        }
-        member.ended.add(&last);
         if let Some(account) = &mut member.account {
-            account.counters = Counters::default();
+            let counters = std::mem::take(&mut account.counters);
+            member.ended.bury(counters, std::mem::take(&mut account.links));
             member.ended_looked += std::mem::take(&mut account.looked);
         }
         (member.done, member.said, member.due, member.is_new) = (None, None, None, false);
@@ -408,15 +405,18 @@ impl<M: Mission> Fleet<M> for RemoteFleet<M> {
     fn counters(&self) -> Counters {
         let mut all = Counters::default();
         for member in &self.members {
-            all.add(&member.ended);
+            all.add(&member.ended.all);
             member.account.iter().for_each(|account| all.add(&account.counters));
         }
         all
     }
 
     fn per_link(&self) -> Vec<(LinkId, LinkCounters)> {
-        let links = self.members.iter().filter_map(|member| member.account.as_ref());
-        let mut links: Vec<_> = links.flat_map(|account| account.links.clone()).collect();
+        let link = |member: &Member<M::Report>| {
+            let now = member.account.as_ref().map(|account| &account.links[..]);
+            member.ended.with(now.unwrap_or_default())
+        };
+        let mut links: Vec<_> = self.members.iter().flat_map(link).collect();
         links.sort_by_key(|(id, _)| *id);
         links
     }

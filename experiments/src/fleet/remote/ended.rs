@@ -1,0 +1,79 @@
+//! What the links to an agent did in processes that are gone: it stays part of the mission.
+
+use std::collections::BTreeMap;
+
+use csat_netem::counters::{Counters, LinkCounters};
+use csat_netem::fate::Reason;
+use csat_netem::link::LinkId;
+
+/// What links did in processes that are gone.
+#[derive(Debug, Default)]
+pub struct Ended {
+    /// All of them.
+    pub all: Counters,
+    links: BTreeMap<LinkId, LinkCounters>,
+}
+
+impl Ended {
+    /// Takes over what a process that is gone told last. What was on its way to it is lost.
+    pub fn bury(&mut self, mut all: Counters, links: Vec<(LinkId, LinkCounters)>) {
+        lose(&mut all.in_flight, &mut all.dropped);
+        self.all.add(&all);
+        for (id, mut link) in links {
+            lose(&mut link.in_flight, &mut link.dropped);
+            self.links.entry(id).or_default().add(&link);
+        }
+    }
+
+    /// What each link did, with what it did in the process that is there now, by link.
+    pub fn with(&self, now: &[(LinkId, LinkCounters)]) -> BTreeMap<LinkId, LinkCounters> {
+        let mut links = self.links.clone();
+        for (id, link) in now {
+            links.entry(*id).or_default().add(link);
+        }
+        links
+    }
+}
+
+fn lose(in_flight: &mut u64, dropped: &mut BTreeMap<Reason, u64>) {
+    let lost = std::mem::take(in_flight);
+    if lost > 0 {
+        *dropped.entry(Reason::Outage).or_default() += lost;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use csat_proto::ids::{AgentId, ChannelId};
+
+    use super::*;
+
+    fn link(src: u16) -> LinkId {
+        LinkId { src: AgentId(src), dst: AgentId(9), channel: ChannelId(0) }
+    }
+
+    fn told(sent: u64, delivered: u64) -> LinkCounters {
+        let in_flight = sent - delivered;
+        LinkCounters { sent, delivered, in_flight, delay_s: 0.5, ..LinkCounters::default() }
+    }
+
+    #[test]
+    fn links_of_processes_that_are_gone_are_counted_on() {
+        let mut ended = Ended::default();
+        let all = Counters { sent: 12, delivered: 10, in_flight: 2, ..Counters::default() };
+        ended.bury(all, vec![(link(0), told(7, 5)), (link(1), told(5, 5))]);
+        let links = ended.with(&[(link(0), told(4, 3))]);
+        let expected = LinkCounters {
+            sent: 11,
+            delivered: 8,
+            in_flight: 1,
+            delay_s: 1.0,
+            dropped: [(Reason::Outage, 2)].into(),
+            ..LinkCounters::default()
+        };
+        assert_eq!(links[&link(0)], expected);
+        assert_eq!(links[&link(1)], told(5, 5));
+        assert!(ended.all.conserved() && links.values().all(LinkCounters::conserved));
+        assert_eq!((ended.all.in_flight, ended.all.dropped[&Reason::Outage]), (0, 2));
+    }
+}
