@@ -8,7 +8,7 @@ use common::fleet::{
     agent_process, end, endpoint, expect_nobody, mission, process, processes, signal, spawn,
     wait_for_flight,
 };
-use common::{csat, json, read, scratch, text};
+use common::{csat, json, names, read, scratch, text};
 
 #[test]
 fn lockstep_gives_to_the_last_byte_what_one_process_gives() {
@@ -219,6 +219,25 @@ fn whoever_is_missing_is_named() {
     let output = end(agent);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     expect_nobody(&endpoint);
+}
+
+#[test]
+fn a_fleet_that_fails_leaves_its_agents_logs() {
+    let (folder, endpoint) = (scratch(), endpoint());
+    let logs = folder.path().join("logs");
+    std::fs::create_dir(&logs).unwrap();
+    std::fs::write(logs.join("agent-0.log"), "what went wrong").unwrap();
+    let mission = mission("5");
+    let mut world = vec!["world", "--listen", &endpoint, "--out", "out", "--patience", "1"];
+    world.extend(["--logs", "logs"]);
+    world.extend(mission.iter().map(String::as_str));
+    let output = csat(folder.path(), &world);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    let partial = names(folder.path()).into_iter().find(|name| name.starts_with(".out.partial-"));
+    let log = folder.path().join(partial.expect("pieces stay")).join("agent-0.log");
+    assert_eq!(read(&log), "what went wrong");
+    assert!(!logs.exists());
 }
 
 #[test]

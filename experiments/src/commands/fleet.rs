@@ -52,10 +52,12 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
         }
     };
     let code = super::record(run, logs, |loaded, recorder, audience| {
-        let outcome = world::fly(&session, wire, loaded, pace, &options, recorder, audience)?;
-        if let Some(folder) = agents_logs {
-            adopt(folder, recorder.partial_folder()).context("cannot keep the agents' logs")?;
-        }
+        let flown = world::fly(&session, wire, loaded, pace, &options, recorder, audience);
+        // Above all when the fleet failed: they tell why.
+        let logs =
+            agents_logs.as_ref().map_or(Ok(()), |from| adopt(from, recorder.partial_folder()));
+        let outcome = flown?;
+        logs.context("cannot keep the agents' logs")?;
         Ok(outcome)
     });
     session::close(session);

@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     fn link(src: u16) -> LinkId {
-        LinkId { src: AgentId(src), dst: AgentId(9), channel: ChannelId(0) }
+        (AgentId(src), AgentId(9), ChannelId(0))
     }
 
     fn told(sent: u64, delivered: u64) -> LinkCounters {
