@@ -10,13 +10,13 @@ use csat_proto::keys::{Keys, split, split_agent};
 use zenoh::bytes::Encoding;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::{Publisher, Subscriber};
-use zenoh::qos::CongestionControl;
 use zenoh::query::{Query, Queryable, Reply};
 use zenoh::sample::{Locality, Sample, SampleKind};
 use zenoh::{Session, Wait};
 
 use crate::seat::Said;
 use crate::wire::hearing::{json, parse, queueing};
+use crate::wire::pace::congestion_control;
 
 /// How long others may take to answer what they know.
 const ANSWER_LIMIT: Duration = Duration::from_secs(5);
@@ -82,11 +82,7 @@ impl Desk {
         pace: Pace,
     ) -> zenoh::Result<Self> {
         let (sender, news) = sync_channel(QUEUE);
-        let control = match pace {
-            Pace::Lockstep => CongestionControl::Block,
-            // One process that is stopped must not stop the others.
-            Pace::Realtime(_) => CongestionControl::Drop,
-        };
+        let control = congestion_control(pace);
         let publish = |key: String| {
             session
                 .declare_publisher(key)

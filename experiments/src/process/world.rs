@@ -69,8 +69,8 @@ pub fn fly(
         refuse_twice(session, keys)?;
     }
     let count = usize::from(loaded.scenario.agents.count);
-    let port = Port::declare(session, keys, count).map_err(zenoh_error)?;
     let speed = pace.realtime.map_or(Pace::Lockstep, Pace::Realtime);
+    let port = Port::declare(session, keys, count, speed).map_err(zenoh_error)?;
     let welcome = Welcome {
         protocol: PROTOCOL,
         run: keys.0,

@@ -3,7 +3,7 @@
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Duration;
 
-use csat_proto::control::{Done, FrameHeader, Join, Order, Ready, Welcome};
+use csat_proto::control::{Done, FrameHeader, Join, Order, Pace, Ready, Welcome};
 use csat_proto::frame::Frame;
 use csat_proto::frame_wire;
 use csat_proto::ids::AgentId;
@@ -11,12 +11,12 @@ use csat_proto::keys::{Keys, split, split_agent};
 use zenoh::bytes::Encoding;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::{Publisher, Subscriber};
-use zenoh::qos::CongestionControl;
 use zenoh::query::{Query, Queryable};
 use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Session, Wait};
 
 use crate::wire::hearing::{json, queueing};
+use crate::wire::pace::congestion_control;
 
 /// How much may wait to be read: a few rounds of a fleet of hundreds.
 const QUEUE: usize = 16_384;
@@ -79,18 +79,15 @@ pub struct Voice {
 }
 
 impl Port {
-    /// Declares everything for a fleet of `count`.
+    /// Declares everything for a fleet of `count` that flies at this pace.
     ///
     /// # Errors
     /// What Zenoh says.
-    pub fn declare(session: &Session, keys: Keys, count: usize) -> zenoh::Result<Self> {
+    pub fn declare(session: &Session, keys: Keys, count: usize, pace: Pace) -> zenoh::Result<Self> {
         let (sender, news) = sync_channel(QUEUE);
+        let control = congestion_control(pace);
         let publish = |key: String| {
-            session
-                .declare_publisher(key)
-                .congestion_control(CongestionControl::Block)
-                .express(true)
-                .wait()
+            session.declare_publisher(key).congestion_control(control).express(true).wait()
         };
         let subscribe = |key: &str, read: fn(AgentId, &Sample) -> Option<News>| {
             session
