@@ -145,8 +145,12 @@ fn agents_end_with_a_message_when_their_world_is_killed() {
     signal(world.expect("the world has a process").0, "-KILL");
     let output = end(child);
     let said = text(&output.stderr);
-    assert_ne!(output.status.code(), Some(0));
+    assert_eq!(output.status.code(), Some(1), "nobody pressed Ctrl-C: {said}");
     assert!(said.contains("the world ended without a word"), "{said}");
+    let kept = said.split("the world was killed (signal: 9 (SIGKILL)); the agents' logs are in `");
+    let kept = kept.last().and_then(|rest| rest.split('`').next()).expect(&said);
+    assert_eq!(names(std::path::Path::new(kept)), ["agent-0.log", "agent-1.log"]);
+    std::fs::remove_dir_all(kept).unwrap();
     expect_nobody(&endpoint);
 }
 

@@ -12,6 +12,7 @@ use std::process::{ExitStatus, Stdio};
 use std::time::Duration;
 
 use clap::Args;
+use tempfile::TempDir;
 use tokio::process::{Child, Command};
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::task::JoinSet;
@@ -19,6 +20,7 @@ use tokio::task::JoinSet;
 use super::arguments::PaceArguments;
 use crate::cli::RunArguments;
 use crate::scenario::Loaded;
+use crate::verdict::{FAILED, INTERRUPTED};
 use crate::wire::session::DEFAULT_ENDPOINT;
 
 /// How long agents may take to end after their world.
@@ -104,6 +106,7 @@ async fn watch(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, SpawnE
         );
     }
     let mut leash = world.stdin.take();
+    let mut is_stopped = false;
     let mut agents: JoinSet<Ended> = JoinSet::new();
     for id in 0..loaded.scenario.agents.count {
         nursery.agent(id, &mut agents, Duration::ZERO)?;
@@ -112,17 +115,19 @@ async fn watch(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, SpawnE
     let status = loop {
         tokio::select! {
             status = world.wait() => break status.map_err(SpawnError::Watch)?,
-            _ = stops.0.recv() => {
-                if leash.take().is_none() { break kill(&mut world).await?; }
+            _ = async { tokio::select! { _ = stops.0.recv() => (), _ = stops.1.recv() => () } } => {
+                if is_stopped { break kill(&mut world).await?; }
+                is_stopped = true;
+                leash.take();
                 eprintln!("\nending after this step; Ctrl-C again ends at once");
             }
-            _ = stops.1.recv() => { leash.take(); }
             Some(Ok((id, status))) = agents.join_next() => {
-                tell(id, &status, arguments.restart);
-                // Whose mission is over ended well, be it before the world did.
-                let is_over = status.is_ok_and(|status| status.success());
                 let count = &mut restarts[usize::from(id)];
-                if arguments.restart && !is_over && *count < MAX_RESTARTS {
+                // Whose mission is over ended well, be it before the world did.
+                let is_over = status.as_ref().is_ok_and(ExitStatus::success);
+                let is_restarted = arguments.restart && !is_over && *count < MAX_RESTARTS;
+                tell(id, &status, is_restarted);
+                if is_restarted {
                     *count += 1;
                     nursery.agent(id, &mut agents, RESTART_DELAY)?;
                 }
@@ -133,7 +138,24 @@ async fn watch(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, SpawnE
     // Whoever is left then is killed with its handle.
     let _ = tokio::time::timeout(FAREWELL, farewell).await;
     agents.shutdown().await;
-    Ok(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(130))
+    Ok(conclude(status, is_stopped, logs))
+}
+
+/// The exit code that the world's end amounts to.
+fn conclude(world: ExitStatus, is_stopped: bool, logs: TempDir) -> u8 {
+    match world.code() {
+        Some(code) => u8::try_from(code).unwrap_or(FAILED),
+        None if is_stopped => INTERRUPTED,
+        None => {
+            // Nobody took them over.
+            let logs = logs.keep();
+            eprintln!(
+                "the world was killed ({world}); the agents' logs are in `{}`",
+                logs.display()
+            );
+            FAILED
+        }
+    }
 }
 
 async fn kill(child: &mut Child) -> Result<ExitStatus, SpawnError> {
@@ -141,12 +163,12 @@ async fn kill(child: &mut Child) -> Result<ExitStatus, SpawnError> {
     child.wait().await.map_err(SpawnError::Watch)
 }
 
-fn tell(id: u16, status: &io::Result<ExitStatus>, restart: bool) {
+fn tell(id: u16, status: &io::Result<ExitStatus>, is_restarted: bool) {
     match status {
         // The mission is over.
         Ok(status) if status.success() => {}
         Ok(status) => {
-            let then = if restart { "starting it again" } else { "the others carry on" };
+            let then = if is_restarted { "starting it again" } else { "the others carry on" };
             eprintln!("the process of UAV {id} ended ({status}); {then}");
         }
         Err(error) => eprintln!("the process of UAV {id} is out of sight: {error}"),
