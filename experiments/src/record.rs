@@ -194,6 +194,15 @@ impl Recorder {
         Ok(Finished { folder: folder.finish()?, summary })
     }
 
+    /// Removes a folder in which nothing was flown.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn discard(self) -> Result<(), RecordError> {
+        self.progress.clear();
+        Ok(self.folder.discard()?)
+    }
+
     fn summarise(&self, outcome: &Outcome) -> Summary {
         let wall_s = self.watch.elapsed_s();
         let last = self.series.0.last().copied().unwrap_or_default();

@@ -147,6 +147,14 @@ impl RunFolder {
         file.finish()
     }
 
+    /// Removes the folder and what is in it.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub fn discard(self) -> Result<(), FolderError> {
+        fs::remove_dir_all(&self.partial).map_err(FolderError::io("remove", &self.partial))
+    }
+
     /// Gives the folder its final name and returns it.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ mod common;
 
 use common::fleet::{
     agent_process, end, endpoint, expect_nobody, mission, process, processes, signal, spawn,
-    wait_for_flight,
+    wait_for_flight, wait_until,
 };
 use common::{csat, json, names, read, scratch, text};
 
@@ -222,6 +222,24 @@ fn whoever_is_missing_is_named() {
     assert!(said.contains("waited 2 s for UAVs 0, 1 to join"), "{said}");
     let output = end(agent);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    expect_nobody(&endpoint);
+}
+
+/// Nothing flew: there is nothing to keep.
+#[test]
+fn ctrl_c_while_somebody_is_missing_leaves_nothing() {
+    let (folder, endpoint) = (scratch(), endpoint());
+    let mission = mission("5");
+    let mut world = vec!["world", "--listen", &endpoint, "--out", "out", "--patience", "600"];
+    world.extend(mission.iter().map(String::as_str));
+    let world = process(folder.path(), &world);
+    wait_until("the world waits", || {
+        names(folder.path()).iter().any(|name| name.starts_with(".out.partial-"))
+    });
+    signal(world.id(), "-INT");
+    let output = end(world);
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    assert_eq!(names(folder.path()), Vec::<String>::new());
     expect_nobody(&endpoint);
 }
 

@@ -6,15 +6,16 @@ use std::sync::atomic::Ordering;
 
 use anyhow::Context;
 
+use csat_experiments::fleet::remote::FleetError;
 use csat_experiments::logs::Logs;
 use csat_experiments::mission::RunOptions;
-use csat_experiments::process::agent::{self, AgentError};
+use csat_experiments::process::agent::{self, AgentError, ENDED_BY_SIGNAL};
 use csat_experiments::process::arguments::{AgentArguments, WorldArguments};
 use csat_experiments::process::leash;
 use csat_experiments::process::spawn::{self, SpawnArguments};
-use csat_experiments::process::world;
+use csat_experiments::process::world::{self, WorldError};
 use csat_experiments::run_folder::RunFolder;
-use csat_experiments::verdict::{BAD_INPUT, DONE};
+use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED};
 use csat_experiments::wire::session::{self, Role};
 
 /// `csat spawn`.
@@ -56,9 +57,12 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
         // Above all when the fleet failed: they tell why.
         let logs =
             agents_logs.as_ref().map_or(Ok(()), |from| adopt(from, recorder.partial_folder()));
-        let outcome = flown?;
+        let outcome = match flown {
+            Err(WorldError::Fleet(FleetError::Interrupted)) => return Ok(None),
+            flown => flown?,
+        };
         logs.context("cannot keep the agents' logs")?;
-        Ok(outcome)
+        Ok(Some(outcome))
     });
     session::close(session);
     code
@@ -81,6 +85,7 @@ pub fn agent(arguments: &AgentArguments, logs: &Logs) -> anyhow::Result<u8> {
     }
     match agent::fly(arguments) {
         Ok(_) => Ok(DONE),
+        Err(AgentError::Ended(ENDED_BY_SIGNAL)) => Ok(INTERRUPTED),
         Err(error @ (AgentError::Wire(_) | AgentError::Refused { .. })) => {
             eprintln!("error: {error}");
             Ok(BAD_INPUT)

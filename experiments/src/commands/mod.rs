@@ -26,7 +26,7 @@ use csat_experiments::scenario::{self, Loaded, Mistakes, Request};
 use csat_experiments::set_membership::SetMembership;
 use csat_experiments::show;
 use csat_experiments::show::recording::Recording;
-use csat_experiments::verdict::{BAD_INPUT, DONE, verdict};
+use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED, verdict};
 
 pub use fleet::{agent, spawn, world};
 pub use replay::replay;
@@ -76,7 +76,7 @@ fn counted(count: usize, thing: &str) -> String {
 pub fn run(arguments: &RunArguments, logs: &Logs) -> anyhow::Result<u8> {
     let options = RunOptions { interrupted: interrupted_by_the_user()? };
     record(arguments, logs, |loaded, recorder, audience| {
-        Ok(mission::run(loaded, &options, recorder, audience)?)
+        Ok(Some(mission::run(loaded, &options, recorder, audience)?))
     })
 }
 
@@ -95,11 +95,15 @@ fn load_to_fly(arguments: &RunArguments) -> Result<Loaded, Mistakes> {
 }
 
 /// Loads a scenario, lets `fly` fly it and writes that down; its audience makes the recording, if
-/// one was asked for.
+/// one was asked for. `None` from it is a mission that the user ended before it began.
 fn record(
     arguments: &RunArguments,
     logs: &Logs,
-    fly: impl FnOnce(Loaded, &mut Recorder, &mut dyn Audience<SetMembership>) -> anyhow::Result<Outcome>,
+    fly: impl FnOnce(
+        Loaded,
+        &mut Recorder,
+        &mut dyn Audience<SetMembership>,
+    ) -> anyhow::Result<Option<Outcome>>,
 ) -> anyhow::Result<u8> {
     let loaded = match load_to_fly(arguments) {
         Ok(loaded) => loaded,
@@ -141,18 +145,19 @@ fn record(
             Recording::create(&partial, SetMembership::new(&loaded.scenario), &loaded, period_s)
         })
         .transpose()?;
-    let (finished, recorded_bytes) = fly(loaded, &mut recorder, &mut recording)
-        .and_then(|outcome| {
-            let recorded_bytes = recording.map(Recording::finish).transpose()?;
-            Ok((recorder.finish(outcome)?, recorded_bytes))
-        })
-        .with_context(|| {
-            format!(
-                "the run is not complete; its pieces are in `{}` (a file still being written ends \
-                 in .tmp)",
-                partial.display()
-            )
-        })?;
+    let incomplete = || {
+        format!(
+            "the run is not complete; its pieces are in `{}` (a file still being written ends in .tmp)",
+            partial.display()
+        )
+    };
+    let flown = fly(loaded, &mut recorder, &mut recording).with_context(incomplete)?;
+    let Some(outcome) = flown else {
+        recorder.discard()?;
+        return Ok(INTERRUPTED);
+    };
+    let recorded_bytes = recording.map(Recording::finish).transpose().with_context(incomplete)?;
+    let finished = recorder.finish(outcome).with_context(incomplete)?;
     report(&finished, recorded_bytes, arguments.json)
 }
 

@@ -43,6 +43,9 @@ const GRACE_SHARE: f64 = 0.1;
 /// How many may wait to be told what the agent knows.
 const MAX_ASKED: usize = 256;
 
+/// Who ended a process that its user ended, as in [`AgentError::Ended`].
+pub const ENDED_BY_SIGNAL: &str = "a signal";
+
 /// Why an agent's process ended before its mission.
 #[derive(Debug, thiserror::Error)]
 pub enum AgentError {
@@ -535,7 +538,7 @@ fn watch_for_the_end(desk: &Desk, leashed: bool) {
     let sender = desk.sender();
     let signal = sender.clone();
     let installed = ctrlc::set_handler(move || {
-        if signal.try_send(News::End("a signal")).is_err() {
+        if signal.try_send(News::End(ENDED_BY_SIGNAL)).is_err() {
             std::process::exit(130);
         }
     });

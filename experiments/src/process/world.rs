@@ -91,6 +91,7 @@ pub fn fly(
         });
     fleet.end(match &flown {
         Ok(outcome) if outcome.interrupted => "ended by the user",
+        Err(WorldError::Fleet(FleetError::Interrupted)) => "ended by the user",
         Ok(_) => "the mission is over",
         Err(_) => "the world cannot go on",
     });
