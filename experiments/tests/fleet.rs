@@ -4,11 +4,13 @@
 
 mod common;
 
+use std::process::Stdio;
+
 use common::fleet::{
     agent_process, end, endpoint, expect_nobody, mission, process, processes, signal, spawn,
     wait_for_flight, wait_until,
 };
-use common::{csat, json, names, read, scratch, text};
+use common::{command, csat, json, names, read, scratch, text};
 
 #[test]
 fn lockstep_gives_to_the_last_byte_what_one_process_gives() {
@@ -133,6 +135,23 @@ fn nobody_outlives_a_killed_spawner() {
     child.wait().unwrap();
     expect_nobody(&endpoint);
     assert_eq!(json(&folder.path().join("out/summary.json"))["interrupted"], true);
+}
+
+/// Its world is not there yet, and its patience is long.
+#[test]
+fn an_agent_that_looks_for_its_world_is_on_the_leash() {
+    let (folder, endpoint) = (scratch(), endpoint());
+    let arguments = ["agent", "--leashed", "--id", "0", "--patience", "86400"];
+    let mut agent = command(folder.path(), &[&arguments[..], &["--connect", &endpoint]].concat())
+        .stdin(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(agent.stdin.take());
+    let output = end(agent);
+    let said = text(&output.stderr);
+    assert!(said.contains("ended by whoever spawned it"), "{said}");
+    expect_nobody(&endpoint);
 }
 
 #[test]

@@ -21,7 +21,7 @@ use zenoh::query::Query;
 use zenoh::{Session, Wait};
 
 use super::arguments::AgentArguments;
-use super::desk::{Desk, News};
+use super::desk::{Desk, Inbox, News};
 use super::ether::{self, Ether};
 use super::join::{join, links};
 use super::leash;
@@ -137,10 +137,13 @@ pub(super) fn zenoh_error(error: zenoh::Error) -> AgentError {
 /// # Errors
 /// When it cannot take part, or not go on.
 pub fn fly(arguments: &AgentArguments) -> Result<String, AgentError> {
+    let inbox = Inbox::new();
+    // First of all: whoever spawned this process may be gone before there is a world.
+    watch_for_the_end(&inbox, arguments.leashed);
     let session = session::open(&arguments.wire, Role::Agent)?;
     let process = super::process_number();
-    let result = join(&session, arguments, process)
-        .and_then(|welcome| Shell::new(&session, arguments, process, &welcome)?.run());
+    let result = join(&session, arguments, process, &inbox)
+        .and_then(|welcome| Shell::new(&session, arguments, process, &welcome, inbox)?.run());
     session::close(session);
     result
 }
@@ -201,6 +204,7 @@ impl Shell {
         arguments: &AgentArguments,
         process: u64,
         welcome: &Welcome,
+        inbox: Inbox,
     ) -> Result<Self, AgentError> {
         if welcome.protocol != PROTOCOL {
             let got = welcome.protocol;
@@ -212,11 +216,10 @@ impl Shell {
         let channels = scenario.netem.all_channels().count();
         let mission = SetMembership::new(&scenario);
         let links = links(&scenario, welcome.map.as_deref())?;
-        let desk = Desk::declare(session, Keys(welcome.run), id, channels, welcome.pace);
+        let desk = Desk::declare(session, Keys(welcome.run), id, channels, welcome.pace, inbox);
         let desk = desk.map_err(zenoh_error)?;
         let mirror = Mirror::declare(session, Keys(welcome.run), id, mission.clone());
         let mirror = mirror.map_err(zenoh_error)?;
-        watch_for_the_end(&desk, arguments.leashed);
         Ok(Self {
             id,
             keys: Keys(welcome.run),
@@ -250,7 +253,7 @@ impl Shell {
             match self.desk.next(self.wait_limit()) {
                 None => self.idle()?,
                 // Nobody waits for whoever is slow: it looks at the newest frame only.
-                Some(News::Frame(..)) if self.is_late() => {}
+                Some(News::Frame(header, _)) if self.is_late(header.step) => {}
                 Some(News::Frame(header, pixels)) => self.look(&header, &pixels)?,
                 Some(News::Order(Order::Turn { step, round, now, said })) => {
                     let waiting = Stopwatch::start();
@@ -289,9 +292,9 @@ impl Shell {
         }
     }
 
-    /// Whether a newer frame than the one in hand has come already.
-    fn is_late(&self) -> bool {
-        self.pace != Pace::Lockstep && self.desk.has_newer_frame()
+    /// Whether a newer frame than that of a step has come already.
+    fn is_late(&self, step: Step) -> bool {
+        self.pace != Pace::Lockstep && self.desk.has_newer_frame(step)
     }
 
     /// Until it flies, whatever it hears meanwhile.
@@ -534,8 +537,8 @@ fn wall(simulated_s: f64, speed: f64) -> Duration {
 }
 
 /// Ctrl-C and SIGTERM end the process, and so does the end of standard input if it is a leash.
-fn watch_for_the_end(desk: &Desk, leashed: bool) {
-    let sender = desk.sender();
+fn watch_for_the_end(inbox: &Inbox, leashed: bool) {
+    let sender = inbox.sender();
     let signal = sender.clone();
     let installed = ctrlc::set_handler(move || {
         if signal.try_send(News::End(ENDED_BY_SIGNAL)).is_err() {

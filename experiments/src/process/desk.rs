@@ -1,12 +1,14 @@
 //! An agent's Zenoh keys: what its process hears, says and shows.
 
-use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Duration;
 
 use csat_proto::control::{Done, FrameHeader, Order, Pace, Probe, Ready};
 use csat_proto::ids::{AgentId, ChannelId};
 use csat_proto::keys::{Keys, split, split_agent};
+use csat_proto::time::Step;
 use zenoh::bytes::Encoding;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::{Publisher, Subscriber};
@@ -51,12 +53,36 @@ pub enum News {
     End(&'static str),
 }
 
+/// What has come and is not read yet, of which there is never too much: it drops what does not fit.
+/// It is there before the desk, for whoever wants the process to end.
+pub struct Inbox {
+    sender: SyncSender<News>,
+    news: Receiver<News>,
+}
+
+impl Inbox {
+    /// An empty one.
+    pub fn new() -> Self {
+        let (sender, news) = sync_channel(QUEUE);
+        Self { sender, news }
+    }
+
+    /// What comes next within `limit`.
+    pub fn next(&self, limit: Duration) -> Option<News> {
+        self.news.recv_timeout(limit).ok()
+    }
+
+    /// Where others may leave news.
+    pub fn sender(&self) -> SyncSender<News> {
+        self.sender.clone()
+    }
+}
+
 /// An agent's side of the wire.
 pub struct Desk {
-    news: Receiver<News>,
-    /// What has come and is not read yet.
-    backlog: VecDeque<News>,
-    sender: SyncSender<News>,
+    inbox: Inbox,
+    /// The step of the newest frame that came, read or not.
+    newest: Arc<AtomicU32>,
     probe: Publisher<'static>,
     links: Vec<Publisher<'static>>,
     ready: Publisher<'static>,
@@ -80,8 +106,9 @@ impl Desk {
         id: AgentId,
         channels: usize,
         pace: Pace,
+        inbox: Inbox,
     ) -> zenoh::Result<Self> {
-        let (sender, news) = sync_channel(QUEUE);
+        let sender = inbox.sender();
         let control = congestion_control(pace);
         let publish = |key: String| {
             session
@@ -98,6 +125,20 @@ impl Desk {
                 .callback(queueing(&sender, read))
                 .wait()
         };
+        let newest = Arc::new(AtomicU32::new(0));
+        let seen = newest.clone();
+        let noticed = move |sample: &Sample| {
+            let news = frame(sample)?;
+            if let News::Frame(header, _) = &news {
+                seen.fetch_max(header.step.0, Ordering::Relaxed);
+            }
+            Some(news)
+        };
+        let frames = session
+            .declare_subscriber(keys.frame(id))
+            .allowed_origin(Locality::Remote)
+            .callback(queueing(&sender, noticed))
+            .wait()?;
         let alive = session
             .liveliness()
             .declare_subscriber(keys.of("alive/*"))
@@ -106,7 +147,7 @@ impl Desk {
             .wait()?;
         let subscribers = vec![
             subscribe(keys.links(), link)?,
-            subscribe(keys.frame(id), frame)?,
+            frames,
             subscribe(keys.clock(), |sample| Some(News::Order(json(sample)?)))?,
             alive,
         ];
@@ -129,26 +170,19 @@ impl Desk {
             session: session.clone(),
             keys,
             _token: session.liveliness().declare_token(keys.alive(id)).wait()?,
-            news,
-            backlog: VecDeque::new(),
-            sender,
+            inbox,
+            newest,
         })
     }
 
     /// What comes next within `limit`.
-    pub fn next(&mut self, limit: Duration) -> Option<News> {
-        self.backlog.extend(self.news.try_iter());
-        self.backlog.pop_front().or_else(|| self.news.recv_timeout(limit).ok())
+    pub fn next(&self, limit: Duration) -> Option<News> {
+        self.inbox.next(limit)
     }
 
-    /// Whether a frame waits that is newer than the one in hand.
-    pub fn has_newer_frame(&self) -> bool {
-        self.backlog.iter().any(|news| matches!(news, News::Frame(..)))
-    }
-
-    /// Where others may leave news.
-    pub fn sender(&self) -> SyncSender<News> {
-        self.sender.clone()
+    /// Whether a frame has come that is newer than that of a step.
+    pub fn has_newer_frame(&self, step: Step) -> bool {
+        self.newest.load(Ordering::Relaxed) > step.0
     }
 
     /// Says a message to all agents.
@@ -176,7 +210,7 @@ impl Desk {
 
     /// Asks all agents what they know; the answers are news.
     pub fn ask_all(&self) {
-        let sender = self.sender.clone();
+        let sender = self.inbox.sender();
         let answer = move |reply: Reply| {
             let Ok(sample) = reply.into_result() else { return };
             let named = name(&sample).and_then(|name| split_agent(name, "state"));

@@ -12,6 +12,7 @@ use zenoh::{Session, Wait};
 
 use super::agent::{AgentError, zenoh_error};
 use super::arguments::AgentArguments;
+use super::desk::{Inbox, News};
 use crate::engine;
 use crate::scenario::Scenario;
 use crate::timing::Stopwatch;
@@ -22,7 +23,7 @@ const ANSWER_LIMIT: Duration = Duration::from_secs(2);
 /// How often the world is asked again.
 const ASK_PERIOD: Duration = Duration::from_millis(200);
 
-/// Asks until a world answers.
+/// Asks until a world answers, or somebody wants this process to end.
 ///
 /// # Errors
 /// When none does in time, or one refuses.
@@ -30,6 +31,7 @@ pub fn join(
     session: &Session,
     arguments: &AgentArguments,
     process: u64,
+    inbox: &Inbox,
 ) -> Result<Welcome, AgentError> {
     let agent = AgentId(arguments.id);
     let program = concat!("csat ", env!("CARGO_PKG_VERSION")).to_owned();
@@ -56,7 +58,10 @@ pub fn join(
             let limit_s = arguments.patience.as_secs();
             return Err(AgentError::NoWorld { key, connect, limit_s });
         }
-        std::thread::sleep(ASK_PERIOD);
+        // Nothing else comes before there is a desk.
+        if let Some(News::End(who)) = inbox.next(ASK_PERIOD) {
+            return Err(AgentError::Ended(who));
+        }
     }
 }
 
