@@ -215,9 +215,10 @@ impl Shell {
         let id = AgentId(arguments.id);
         let channels = scenario.netem.all_channels().count();
         let mission = SetMembership::new(&scenario);
-        let links = links(&scenario, welcome.map.as_deref())?;
         let desk = Desk::declare(session, Keys(welcome.run), id, channels, welcome.pace, inbox);
         let desk = desk.map_err(zenoh_error)?;
+        // Only now, for it may take long: the world gives the place away without the desk's token.
+        let links = links(&scenario, welcome.map.as_deref())?;
         let mirror = Mirror::declare(session, Keys(welcome.run), id, mission.clone());
         let mirror = mirror.map_err(zenoh_error)?;
         Ok(Self {

@@ -180,6 +180,7 @@ impl<M: Mission> RemoteFleet<M> {
         match news {
             News::Join(query) => self.roster.join(query),
             News::Ready(agent, ready) => self.roster.ready(agent, &ready),
+            News::Here(agent) => self.roster.here(agent),
             News::Gone(agent) => {
                 if self.roster.gone(agent) {
                     self.bury(agent);

@@ -28,6 +28,8 @@ pub enum News {
     Join(JoinQuery),
     /// It hears others.
     Ready(AgentId, Ready),
+    /// It holds its token.
+    Here(AgentId),
     /// It is gone.
     Gone(AgentId),
     /// It is done with a frame or a turn.
@@ -95,13 +97,14 @@ impl Port {
                 .callback(queueing(&sender, of_agent("uav", read)))
                 .wait()
         };
-        let gone = |agent, sample: &Sample| {
-            (sample.kind() == SampleKind::Delete).then_some(News::Gone(agent))
+        let presence = |agent, sample: &Sample| match sample.kind() {
+            SampleKind::Put => Some(News::Here(agent)),
+            SampleKind::Delete => Some(News::Gone(agent)),
         };
         let alive = session
             .liveliness()
             .declare_subscriber(keys.of("alive/*"))
-            .callback(queueing(&sender, of_agent("alive", gone)))
+            .callback(queueing(&sender, of_agent("alive", presence)))
             .wait()?;
         let subscribers = vec![
             subscribe("uav/*/ready", |agent, s| Some(News::Ready(agent, json(s)?)))?,

@@ -5,17 +5,24 @@
 //! does not know of yet would lose the first messages without a trace.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use csat_proto::control::{Join, PROTOCOL, Ready, Welcome};
 use csat_proto::ids::AgentId;
 
 use super::port::JoinQuery;
+use crate::timing::Stopwatch;
+
+/// How long a process that was welcomed may take to hold its token. One that died meanwhile would
+/// keep its place for good.
+const TOKEN_LIMIT: Duration = Duration::from_secs(10);
 
 /// Which processes there are.
 #[derive(Debug)]
 pub struct Roster {
     welcome: Welcome,
     seats: Vec<Place>,
+    token_limit: Duration,
 }
 
 /// An agent's place in the roster.
@@ -23,6 +30,8 @@ pub struct Roster {
 struct Place {
     /// The process that was welcomed last, until it is gone.
     process: Option<u64>,
+    /// Until it holds its token: since when it has been welcome. Only who held one can be missed.
+    tokenless: Option<Stopwatch>,
     /// Whether it takes part.
     is_admitted: bool,
     /// Whom it hears, with their processes.
@@ -32,7 +41,7 @@ struct Place {
 impl Roster {
     /// A roster of `count` empty places; whoever joins is told `welcome`.
     pub fn new(welcome: Welcome, count: usize) -> Self {
-        Self { welcome, seats: vec![Place::default(); count] }
+        Self { welcome, seats: vec![Place::default(); count], token_limit: TOKEN_LIMIT }
     }
 
     /// How many agents there are to be.
@@ -83,11 +92,19 @@ impl Roster {
         tracing::debug!(join = ?query.join, "wants to take part");
         match self.judge(&query.join) {
             Ok(()) => {
-                let place = &mut self.seats[usize::from(query.join.agent.0)];
-                *place = Place { process: Some(query.join.process), ..Place::default() };
+                self.seat(&query.join);
                 query.welcome(&self.welcome);
             }
             Err(reason) => query.refuse(&reason),
+        }
+    }
+
+    /// The same process may ask twice: its token is its token.
+    fn seat(&mut self, join: &Join) {
+        let place = &mut self.seats[usize::from(join.agent.0)];
+        if place.process != Some(join.process) {
+            let (process, tokenless) = (Some(join.process), Some(Stopwatch::start()));
+            *place = Place { process, tokenless, ..Place::default() };
         }
     }
 
@@ -102,8 +119,10 @@ impl Roster {
         let place = self.seats.get(usize::from(join.agent.0)).ok_or_else(|| {
             format!("there is no UAV {} in a fleet of {}", join.agent, self.seats.len())
         })?;
+        let is_abandoned =
+            place.tokenless.is_some_and(|since| since.left(self.token_limit).is_zero());
         match place.process {
-            Some(process) if process != join.process => Err(format!(
+            Some(process) if process != join.process && !is_abandoned => Err(format!(
                 "UAV {} is flown by another process; expected another --id, or that one to end",
                 join.agent
             )),
@@ -117,6 +136,13 @@ impl Roster {
         let place = self.seats.get_mut(usize::from(agent.0));
         if let Some(place) = place.filter(|place| place.process == Some(ready.process)) {
             place.heard = ready.heard.iter().copied().collect();
+        }
+    }
+
+    /// The process that flies an agent holds its token.
+    pub fn here(&mut self, agent: AgentId) {
+        if let Some(place) = self.seats.get_mut(usize::from(agent.0)) {
+            place.tokenless = None;
         }
     }
 
@@ -152,5 +178,44 @@ impl Roster {
             process.is_some() && self.seats[usize::from(a.0)].heard.get(&b).copied() == process
         };
         hears(a, b) && hears(b, a)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use csat_proto::control::Pace;
+    use csat_proto::ids::RunId;
+
+    use super::*;
+
+    fn join(process: u64) -> Join {
+        Join { protocol: PROTOCOL, program: "test".to_owned(), agent: AgentId(0), process }
+    }
+
+    fn roster() -> Roster {
+        let welcome = Welcome {
+            protocol: PROTOCOL,
+            run: RunId(1),
+            name: "test".to_owned(),
+            scenario: String::new(),
+            map: None,
+            pace: Pace::Lockstep,
+        };
+        Roster::new(welcome, 1)
+    }
+
+    #[test]
+    fn who_dies_before_it_holds_a_token_loses_its_place() {
+        let mut roster = roster();
+        roster.seat(&join(1));
+        assert!(roster.judge(&join(2)).is_err(), "it may be about to declare it");
+        assert_eq!(roster.judge(&join(1)), Ok(()));
+        roster.token_limit = Duration::ZERO;
+        assert_eq!(roster.judge(&join(2)), Ok(()));
+        roster.seat(&join(2));
+        roster.here(AgentId(0));
+        assert!(roster.judge(&join(3)).is_err());
+        roster.gone(AgentId(0));
+        assert_eq!(roster.judge(&join(3)), Ok(()));
     }
 }
