@@ -1,6 +1,7 @@
 //! The folder of a run: complete under its final name, or not there.
 //!
-//! Everything is written into a hidden sibling `.NAME.partial-PID`, each file first as `FILE.tmp`,
+//! Everything is written into a hidden sibling `.NAME.partial-PID`
+//! (numbered when that is taken), each file first as `FILE.tmp`,
 //! and the folder is renamed at the very end. So what has its final name is whole, and a run that
 //! died leaves its pieces where they can be found.
 
@@ -106,12 +107,7 @@ impl RunFolder {
         }
         fs::create_dir_all(&parent).map_err(FolderError::io("create", &parent))?;
         let name = last.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let partial = parent.join(format!(".{name}.partial-{}", std::process::id()));
-        // Left by a run of the same process id that died: it was never anybody's result.
-        if partial.exists() {
-            fs::remove_dir_all(&partial).map_err(FolderError::io("remove", &partial))?;
-        }
-        fs::create_dir(&partial).map_err(FolderError::io("create", &partial))?;
+        let partial = create_partial(&parent, &name)?;
         Ok(Self { destination, partial })
     }
 
@@ -169,6 +165,22 @@ impl RunFolder {
                 Err(_) if attempts < 100 && last.exists() => attempts += 1,
                 Err(error) => return Err(FolderError::io("rename to", &last)(error)),
             }
+        }
+    }
+}
+
+/// A new folder of this process. One that is there is somebody's: processes in containers that share
+/// a disk may have the same id, and what a dead one left is for its user to look at.
+fn create_partial(parent: &Path, name: &str) -> Result<PathBuf, FolderError> {
+    let id = std::process::id();
+    let mut number = 1u64;
+    loop {
+        let suffix = if number == 1 { String::new() } else { format!("-{number}") };
+        let partial = parent.join(format!(".{name}.partial-{id}{suffix}"));
+        match fs::create_dir(&partial) {
+            Ok(()) => return Ok(partial),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
+            Err(error) => return Err(FolderError::io("create", &partial)(error)),
         }
     }
 }
@@ -296,6 +308,19 @@ mod tests {
         let numbered = RunFolder::create(Destination::Numbered(base.join("run"))).unwrap();
         fs::create_dir(base.join("run")).unwrap();
         assert_eq!(numbered.finish().unwrap(), base.join("run-2"));
+    }
+
+    #[test]
+    fn a_process_with_the_same_id_keeps_its_pieces() {
+        let base = scratch("same-id");
+        let destination = Destination::Numbered(base.join("run"));
+        let first = RunFolder::create(destination.clone()).unwrap();
+        first.write("metrics.csv", "of another process").unwrap();
+        let second = RunFolder::create(destination).unwrap();
+        assert_ne!(first.partial(), second.partial());
+        assert_eq!(names(first.partial()), ["metrics.csv"]);
+        second.discard().unwrap();
+        assert_eq!(first.finish().unwrap(), base.join("run"));
     }
 
     #[cfg(target_os = "linux")]
