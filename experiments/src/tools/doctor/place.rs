@@ -13,6 +13,9 @@ use super::finding::Finding;
 /// How long a connection may take.
 const LIMIT: Duration = Duration::from_secs(1);
 
+/// The protocols that this program speaks.
+const BUILT_FOR: &[&str] = if cfg!(feature = "tls") { &["tcp", "tls"] } else { &["tcp"] };
+
 /// The endpoints of a configuration.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Places {
@@ -111,10 +114,12 @@ fn try_one(endpoint: &str) -> Finding {
         Err(error) => return Finding::problem("endpoint", format!("{endpoint}: {error}")),
     };
     let protocol = parsed.protocol();
-    if protocol.as_str() != "tcp" {
+    // TLS is spoken over TCP: whoever takes connections can be told apart all the same.
+    if !BUILT_FOR.contains(&protocol.as_str()) {
+        let built_for = BUILT_FOR.join(" and ");
         return Finding::problem(
             "endpoint",
-            format!("{endpoint}: this csat is built for tcp only, not for {protocol}"),
+            format!("{endpoint}: this csat is built for {built_for} only, not for {protocol}"),
         )
         .advice("expected such as tcp/127.0.0.1:7447");
     }
@@ -198,7 +203,7 @@ mod tests {
         for (endpoint, level, text) in [
             (there.as_str(), Level::Ok, "takes connections"),
             (&nowhere, Level::Problem, "connection refused, nobody listens there"),
-            ("tls/127.0.0.1:1", Level::Problem, "built for tcp only, not for tls"),
+            ("quic/127.0.0.1:1", Level::Problem, "only, not for quic"),
             ("tcp/no.such.host.invalid:1", Level::Problem, "no.such.host.invalid"),
             ("nonsense", Level::Problem, "nonsense: "),
         ] {
@@ -206,6 +211,9 @@ mod tests {
             assert_eq!(finding.level, level, "{finding}");
             assert!(finding.text.contains(text), "{finding}");
         }
+        let secret = try_one(&there.replace("tcp/", "tls/"));
+        let expected = if cfg!(feature = "tls") { Level::Ok } else { Level::Problem };
+        assert_eq!(secret.level, expected, "{secret}");
         let both = Places { connect: vec![nowhere.clone(), there], ..Places::default() };
         assert!(!both.reach().is_hopeless);
         let one = Places { connect: vec![nowhere], ..Places::default() };
