@@ -102,7 +102,7 @@ fn sets(arguments: &ReproduceArguments) -> Vec<String> {
 }
 
 fn root(arguments: &ReproduceArguments, name: &str) -> Result<PathBuf, SweepError> {
-    let usual = || default_root("reproductions", name, arguments.resume);
+    let usual = || default_root(Path::new("reproductions"), name, arguments.resume, |_| true);
     arguments.out.clone().map_or_else(usual, Ok)
 }
 

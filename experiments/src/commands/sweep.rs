@@ -1,6 +1,6 @@
 //! `csat sweep`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use anyhow::Context;
@@ -32,13 +32,14 @@ fn merge_folders(arguments: &SweepArguments) -> anyhow::Result<u8> {
 
 fn fly(arguments: &SweepArguments) -> anyhow::Result<u8> {
     let (manifest, shard) = plan_sweep(arguments)?;
-    let keys = manifest.vary.iter().flat_map(|axis| &axis.keys);
-    let keys: Vec<&str> = keys.map(|k| k.rsplit('.').next().unwrap_or(k)).collect();
     let root = match &arguments.out {
         Some(out) => out.clone(),
         None => {
-            let name = [&[manifest.scenario.as_str()], &keys[..]].concat().join("-");
-            default_root("sweeps", &plan::slug(&name), arguments.resume)?
+            let name = usual_name(&manifest);
+            let is_ours = |root: &Path| {
+                SweepFolder::at(root).manifest().is_ok_and(|there| usual_name(&there) == name)
+            };
+            default_root(Path::new("sweeps"), &name, arguments.resume, is_ours)?
         }
     };
     let taking = Taking { shard, resume: arguments.resume };
@@ -67,6 +68,13 @@ fn fly(arguments: &SweepArguments) -> anyhow::Result<u8> {
     let results = merge::conclude(&folder, &manifest)?;
     tell(arguments, &folder, &results)?;
     Ok(code(&results.counts()))
+}
+
+/// What the folder of a sweep is called if the user does not say.
+fn usual_name(manifest: &Manifest) -> String {
+    let keys = manifest.vary.iter().flat_map(|axis| &axis.keys);
+    let keys: Vec<&str> = keys.map(|k| k.rsplit('.').next().unwrap_or(k)).collect();
+    plan::slug(&[&[manifest.scenario.as_str()], &keys[..]].concat().join("-"))
 }
 
 /// Reads the command line and loads every combination.

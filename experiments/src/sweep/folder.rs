@@ -30,12 +30,18 @@ pub struct Taking {
 }
 
 /// The folder in `parent` that is used when the user names none: the first free one, or with `resume`
-/// the last one that is there.
+/// the last one that is there. `is_ours` looks into it: `city-2` may be the second sweep of `city` or
+/// the first one of a scenario `city-2`.
 ///
 /// # Errors
 /// When the system refuses.
-pub fn default_root(parent: &str, name: &str, resume: bool) -> Result<PathBuf, SweepError> {
-    let free = Destination::Numbered(PathBuf::from(parent).join(name)).resolve()?;
+pub fn default_root(
+    parent: &Path,
+    name: &str,
+    resume: bool,
+    is_ours: impl Fn(&Path) -> bool,
+) -> Result<PathBuf, SweepError> {
+    let free = Destination::Numbered(parent.join(name)).resolve()?;
     if !resume {
         return Ok(free);
     }
@@ -44,7 +50,8 @@ pub fn default_root(parent: &str, name: &str, resume: bool) -> Result<PathBuf, S
         if file.is_empty() { Some(1) } else { file.strip_prefix('-')?.parse::<u64>().ok() }
     };
     let there = fs::read_dir(parent).into_iter().flatten().flatten().map(|entry| entry.path());
-    Ok(there.filter(|path| number(path).is_some()).max_by_key(|p| number(p)).unwrap_or(free))
+    let ours = there.filter(|path| number(path).is_some() && is_ours(path));
+    Ok(ours.max_by_key(|path| number(path)).unwrap_or(free))
 }
 
 impl SweepFolder {
@@ -254,4 +261,25 @@ fn read_json<T: serde::de::DeserializeOwned>(
         |reason: String| SweepError::Unreadable { path: path.to_owned(), expected, reason };
     let text = fs::read_to_string(path).map_err(|e| refuse(e.to_string()))?;
     serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::scratch;
+
+    #[test]
+    fn what_is_resumed_is_the_last_folder_of_the_same_name_only() {
+        let base = scratch("resumed");
+        for name in ["city", "city-2", "city-3", "city-speed"] {
+            fs::create_dir(base.join(name)).unwrap();
+        }
+        let root = |resume, is_ours: fn(&Path) -> bool| {
+            default_root(&base, "city", resume, is_ours).unwrap()
+        };
+        assert_eq!(root(false, |_| true), base.join("city-4"));
+        assert_eq!(root(true, |_| true), base.join("city-3"));
+        assert_eq!(root(true, |path| !path.ends_with("city-3")), base.join("city-2"));
+        assert_eq!(root(true, |_| false), base.join("city-4"));
+    }
 }
