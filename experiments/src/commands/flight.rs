@@ -1,5 +1,6 @@
 //! Flying the runs of a sweep that are not there yet, and saying what became of them.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -38,10 +39,12 @@ impl Flight<'_> {
     pub fn fly(&self, stop: Arc<AtomicBool>) -> Result<bool, SweepError> {
         let Flight { manifest, folder, shard, keep_folders, .. } = *self;
         let mine = manifest.runs(shard);
+        let fingerprint = manifest.fingerprint();
         let mut runs = Vec::new();
         for run in &mine {
             // A run that failed is no result: it may have been a full disk.
-            if folder.run(manifest, run)?.is_none_or(|record| record.failed.is_some()) {
+            if folder.run(manifest, &fingerprint, run)?.is_none_or(|record| record.failed.is_some())
+            {
                 runs.push(*run);
             }
         }
@@ -61,7 +64,7 @@ impl Flight<'_> {
 
     /// Whether some of its runs are not there.
     pub fn lacks_runs(&self, results: &Results) -> bool {
-        let mine = self.manifest.runs(self.shard);
+        let mine: BTreeSet<Run> = self.manifest.runs(self.shard).into_iter().collect();
         results.runs.iter().any(|(run, record)| record.is_none() && mine.contains(run))
     }
 

@@ -207,17 +207,23 @@ impl SweepFolder {
         self.write(&format!("runs/{}.json", manifest.run_name(run)), text)
     }
 
-    /// The file of a run; `None` when it is not there.
+    /// The file of a run; `None` when it is not there. `fingerprint` is that of the manifest, which
+    /// takes a while for a large sweep.
     ///
     /// # Errors
     /// When it is no such file, or that of another sweep.
-    pub fn run(&self, manifest: &Manifest, run: &Run) -> Result<Option<RunRecord>, SweepError> {
+    pub fn run(
+        &self,
+        manifest: &Manifest,
+        fingerprint: &str,
+        run: &Run,
+    ) -> Result<Option<RunRecord>, SweepError> {
         let path = self.run_path(manifest, run);
         if !path.exists() {
             return Ok(None);
         }
         let record: RunRecord = read_json(&path, "the file of a run")?;
-        if record.sweep != manifest.fingerprint() {
+        if record.sweep != fingerprint {
             let reason = format!("it belongs to sweep {}", record.sweep);
             return Err(SweepError::Unreadable { path, expected: "a run of this sweep", reason });
         }

@@ -58,9 +58,10 @@ pub fn merge(folders: &[PathBuf]) -> Result<(SweepFolder, Results), SweepError> 
 }
 
 fn bring(manifest: &Manifest, from: &SweepFolder, to: &SweepFolder) -> Result<(), SweepError> {
+    let fingerprint = manifest.fingerprint();
     for run in manifest.runs(Shard::WHOLE) {
-        let Some(new) = from.run(manifest, &run)? else { continue };
-        match to.run(manifest, &run)? {
+        let Some(new) = from.run(manifest, &fingerprint, &run)? else { continue };
+        match to.run(manifest, &fingerprint, &run)? {
             // A run that failed in one place may have been flown in another.
             Some(there) if there.failed.is_none() && new.failed.is_none() => {
                 if there.digest() != new.digest() {

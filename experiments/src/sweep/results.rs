@@ -47,7 +47,8 @@ impl Results {
     pub fn read(folder: &SweepFolder, manifest: Manifest) -> Result<Self, SweepError> {
         let mut order = manifest.runs(Shard::WHOLE);
         order.sort_by_key(|run| run.point);
-        let with_record = |run: Run| Ok((run, folder.run(&manifest, &run)?));
+        let fingerprint = manifest.fingerprint();
+        let with_record = |run: Run| Ok((run, folder.run(&manifest, &fingerprint, &run)?));
         let runs = order.into_iter().map(with_record).collect::<Result<_, SweepError>>()?;
         Ok(Self { manifest, runs })
     }
