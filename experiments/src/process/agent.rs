@@ -137,7 +137,7 @@ pub(super) fn zenoh_error(error: zenoh::Error) -> AgentError {
 /// # Errors
 /// When it cannot take part, or not go on.
 pub fn fly(arguments: &AgentArguments) -> Result<String, AgentError> {
-    let inbox = Inbox::new();
+    let inbox = Inbox::default();
     // First of all: whoever spawned this process may be gone before there is a world.
     watch_for_the_end(&inbox, arguments.leashed);
     let session = session::open(&arguments.wire, Role::Agent)?;

@@ -60,13 +60,14 @@ pub struct Inbox {
     news: Receiver<News>,
 }
 
-impl Inbox {
-    /// An empty one.
-    pub fn new() -> Self {
+impl Default for Inbox {
+    fn default() -> Self {
         let (sender, news) = sync_channel(QUEUE);
         Self { sender, news }
     }
+}
 
+impl Inbox {
     /// What comes next within `limit`.
     pub fn next(&self, limit: Duration) -> Option<News> {
         self.news.recv_timeout(limit).ok()
