@@ -344,7 +344,8 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
         self.view.agents = drawn.map(Option::unwrap_or_default).collect();
         let counters = self.engine.counters();
         let links = self.engine.per_link();
-        let sums = links.iter().fold((0, 0), |(s, d), (_, l)| (s + l.sent, d + l.delivered));
+        let sums =
+            links.iter().fold((0, 0), |(s, d), (_, l)| (s + l.counts.sent, d + l.counts.delivered));
         debug_assert_eq!(sums, (counters.sent, counters.delivered), "links.csv and the summary");
         Outcome {
             steps,

@@ -170,18 +170,19 @@ pub struct LinkRow {
 impl LinkRow {
     /// The row of one link.
     pub fn new((link, counters): (LinkId, &LinkCounters)) -> Self {
-        let dropped = |reason| counters.dropped.get(&reason).copied().unwrap_or_default();
+        let counts = &counters.counts;
+        let dropped = |reason| counts.dropped.get(&reason).copied().unwrap_or_default();
         let (src, dst, channel) = link;
         Self {
             src,
             dst,
             channel,
-            sent: counters.sent,
-            delivered: counters.delivered,
-            duplicated: counters.duplicated,
-            corrupted: counters.corrupted,
-            in_flight: counters.in_flight,
-            bytes_sent: counters.bytes_sent,
+            sent: counts.sent,
+            delivered: counts.delivered,
+            duplicated: counts.duplicated,
+            corrupted: counts.corrupted,
+            in_flight: counts.in_flight,
+            bytes_sent: counts.bytes_sent,
             mean_delay_s: counters.mean_delay_s(),
             mean_distance_m: counters.mean_distance_m(),
             dropped_outage: dropped(Reason::Outage),

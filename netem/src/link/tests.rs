@@ -67,7 +67,7 @@ fn messages_arrive_in_order_and_are_counted() {
     assert_eq!((counters.in_flight, counters.bytes_sent), (0, 1000));
     let (id, link) = links.per_link().next().unwrap();
     assert_eq!(id, (AgentId(0), AgentId(1), ChannelId(0)));
-    assert_eq!((link.sent, link.delivered), (100, arrived as u64));
+    assert_eq!((link.counts.sent, link.counts.delivered), (100, arrived as u64));
     assert!((link.mean_delay_s().unwrap() - 0.25).abs() < 1e-9);
     assert!((link.mean_distance_m().unwrap() - 50.0).abs() < 1e-9);
 }
@@ -296,7 +296,7 @@ proptest! {
             links.send(&message, payload());
             links.receive(SimTime(time));
             prop_assert!(links.counters().conserved());
-            prop_assert!(links.per_link().all(|(_, link)| link.conserved()));
+            prop_assert!(links.per_link().all(|(_, link)| link.counts.conserved()));
         }
     }
 }

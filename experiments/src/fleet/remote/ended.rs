@@ -17,10 +17,10 @@ pub struct Ended {
 impl Ended {
     /// Takes over what a process that is gone told last. What was on its way to it is lost.
     pub fn bury(&mut self, mut all: Counters, links: Vec<(LinkId, LinkCounters)>) {
-        lose(&mut all.in_flight, &mut all.dropped);
+        all.lose_in_flight(Reason::Outage);
         self.all.add(&all);
         for (id, mut link) in links {
-            lose(&mut link.in_flight, &mut link.dropped);
+            link.counts.lose_in_flight(Reason::Outage);
             self.links.entry(id).or_default().add(&link);
         }
     }
@@ -32,13 +32,6 @@ impl Ended {
             links.entry(*id).or_default().add(link);
         }
         links
-    }
-}
-
-fn lose(in_flight: &mut u64, dropped: &mut BTreeMap<Reason, u64>) {
-    let lost = std::mem::take(in_flight);
-    if lost > 0 {
-        *dropped.entry(Reason::Outage).or_default() += lost;
     }
 }
 
@@ -54,7 +47,8 @@ mod tests {
 
     fn told(sent: u64, delivered: u64) -> LinkCounters {
         let in_flight = sent - delivered;
-        LinkCounters { sent, delivered, in_flight, delay_s: 0.5, ..LinkCounters::default() }
+        let counts = Counters { sent, delivered, in_flight, ..Counters::default() };
+        LinkCounters { counts, delay_s: 0.5, distance_m: 0.0 }
     }
 
     #[test]
@@ -63,17 +57,17 @@ mod tests {
         let all = Counters { sent: 12, delivered: 10, in_flight: 2, ..Counters::default() };
         ended.bury(all, vec![(link(0), told(7, 5)), (link(1), told(5, 5))]);
         let links = ended.with(&[(link(0), told(4, 3))]);
-        let expected = LinkCounters {
+        let counts = Counters {
             sent: 11,
             delivered: 8,
             in_flight: 1,
-            delay_s: 1.0,
             dropped: [(Reason::Outage, 2)].into(),
-            ..LinkCounters::default()
+            ..Counters::default()
         };
+        let expected = LinkCounters { counts, delay_s: 1.0, distance_m: 0.0 };
         assert_eq!(links[&link(0)], expected);
         assert_eq!(links[&link(1)], told(5, 5));
-        assert!(ended.all.conserved() && links.values().all(LinkCounters::conserved));
+        assert!(ended.all.conserved() && links.values().all(|link| link.counts.conserved()));
         assert_eq!((ended.all.in_flight, ended.all.dropped[&Reason::Outage]), (0, 2));
     }
 }
