@@ -187,7 +187,7 @@ mod tests {
     /// A view may come when it is too late to know what was seen since.
     #[test]
     fn ground_seen_since_is_not_hidden_by_a_view_that_comes_late() {
-        let config = crate::guidance::tests::default_config();
+        let config = crate::config::tests::default_config([500.0; 2]);
         let nothing = Raster::empty(config.raster_grid());
         let mut cell = nothing.clone();
         cell.set(3, 4);

@@ -219,4 +219,4 @@ impl Planner {
 #[cfg(test)]
 mod brute_tests;
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

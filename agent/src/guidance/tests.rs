@@ -1,28 +1,13 @@
 //! The planner as a whole.
 
-use csat_proto::camera::CameraModel;
-use csat_proto::ids::{AgentId, Incarnation, RunId};
-use csat_proto::model::{FleetModel, Ground, TargetsModel};
 use csat_proto::oem::{OemCell, OemDelta};
 
 use super::*;
-use crate::config::{Channels, Criterion, EstimatorConfig, ExchangeConfig, GuidanceConfig};
+use crate::config::Criterion;
 
-pub(crate) fn default_config() -> AgentConfig {
-    AgentConfig {
-        run: RunId(1),
-        id: AgentId(0),
-        incarnation: Incarnation(0),
-        period_s: 0.5,
-        ground: Ground { size_m: [500.0; 2] },
-        targets: TargetsModel::default(),
-        fleet: FleetModel::default(),
-        camera: CameraModel::default(),
-        estimator: EstimatorConfig::default(),
-        guidance: GuidanceConfig::default(),
-        exchange: ExchangeConfig::default(),
-        channels: Channels::default(),
-    }
+/// The first agent of the default fleet over the default ground.
+pub(super) fn default_config() -> AgentConfig {
+    crate::config::tests::default_config([500.0; 2])
 }
 
 pub(super) const CRITERIA: [Criterion; 4] =
