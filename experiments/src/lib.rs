@@ -30,6 +30,7 @@
 //! | [`tools`] | looking at a fleet from a terminal: `csat echo`, `csat doctor` |
 //! | [`wire`] | Zenoh: how a process reaches the others |
 //! | [`verdict`] | exit codes |
+//! | [`words`] | words for people |
 //! | [`timing`], [`stages`] | the only clock |
 
 pub mod cli;
@@ -65,3 +66,4 @@ pub mod verdict;
 pub mod view;
 pub mod watch;
 pub mod wire;
+pub mod words;

@@ -27,6 +27,7 @@ use csat_experiments::set_membership::SetMembership;
 use csat_experiments::show;
 use csat_experiments::show::recording::Recording;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED, verdict};
+use csat_experiments::words::counted;
 
 pub use fleet::{agent, spawn, world};
 pub use replay::replay;
@@ -66,10 +67,6 @@ pub fn check(arguments: &ScenarioArguments) -> anyhow::Result<u8> {
         scenario.run.duration_s
     ))?;
     Ok(DONE)
-}
-
-fn counted(count: usize, thing: &str) -> String {
-    if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }
 }
 
 /// `csat run`.

@@ -15,6 +15,7 @@ use csat_experiments::sweep::plan::{self, MAX_RUNS};
 use csat_experiments::sweep::results::{Counts, Results};
 use csat_experiments::sweep::seeds::{Shard, parse_seeds};
 use csat_experiments::sweep::vary::Axis;
+use csat_experiments::words::counted;
 
 use super::flight::{Flight, code, complain, jobs, judge};
 use super::{interrupted_by_the_user, say};
@@ -117,7 +118,7 @@ fn plan_sweep(arguments: &SweepArguments) -> anyhow::Result<(Manifest, Shard)> {
     let pool = pool.context("cannot start the threads")?;
     let (manifest, warnings) = pool.install(|| check::manifest(request))?;
     if !warnings.is_empty() && !arguments.json {
-        eprintln!("{}, in full from `csat check`", super::counted(warnings.len(), "warning"));
+        eprintln!("{}, in full from `csat check`", counted(warnings.len(), "warning"));
     }
     Ok((manifest, shard))
 }

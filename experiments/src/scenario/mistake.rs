@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::source::Place;
+use crate::words::counted;
 
 /// One mistake (or warning) with its place and what was expected.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -101,12 +102,10 @@ impl From<Vec<Mistake>> for Mistakes {
 impl Mistakes {
     /// Everything in full, and how many mistakes it is.
     pub fn describe(&self) -> String {
-        let count = self.mistakes.len();
-        let plural = if count == 1 { "" } else { "s" };
         let mistakes = self.mistakes.iter().map(|m| m.render("error"));
         let warnings = self.warnings.iter().map(|w| w.render("warning"));
         let all: String = mistakes.chain(warnings).map(|text| text + "\n").collect();
-        format!("{all}{count} mistake{plural}")
+        all + &counted(self.mistakes.len(), "mistake")
     }
 }
 

@@ -7,6 +7,7 @@ use csat_proto::message::Message;
 use serde_json::{Map, Value, json};
 
 use super::ear::Heard;
+use crate::words::counted;
 
 /// How many characters of a document are shown on a line.
 const MAX_SHOWN: usize = 160;
@@ -160,10 +161,6 @@ fn describe_header(header: &str) -> String {
     };
     let ([x, y, z], seconds) = (pose.p_world, time.seconds());
     format!("frame of step {step} {seconds} s at [{x:.1}, {y:.1}, {z:.1}]: {seen}")
-}
-
-fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 fn message_json(envelope: &Envelope, message: Option<&Message>) -> Value {

@@ -30,6 +30,7 @@ use super::ear::{Ear, Listen};
 use super::keys::{self, BadKey, key_expression};
 use crate::timing::Stopwatch;
 use crate::wire::session::{self, Role, WireArguments, WireError};
+use crate::words::counted;
 
 /// How long it listens.
 const LISTENING: Duration = Duration::from_secs(2);
@@ -109,7 +110,6 @@ pub struct Diagnosis {
 impl Diagnosis {
     /// In a line.
     pub fn verdict(&self) -> String {
-        let counted = |n: usize, what| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
         match (self.problems, self.warnings) {
             (0, 0) => "all is well".to_owned(),
             (0, warnings) => format!("no problems, {}", counted(warnings, "warning")),
