@@ -1,6 +1,6 @@
 //! One mission from start to end: the engine steps, this loop measures and records.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -270,14 +270,10 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
             faults.filter(|f| matches!(f, Fault::Guarantee { agent, .. } if *agent == id)).count()
         };
         let (mission, step) = (&self.mission, trace.step.0);
-        // What an agent knows is of its report's step, in real time perhaps an earlier one.
-        let truth_of = |flown: &Flown<M>| -> Option<Vec<[f64; 2]>> {
-            let truth = self.engine.truth_at(mission.step(flown.report.as_ref()?))?;
-            Some(truth.iter().map(|target| target.location).collect())
-        };
-        let truths: Vec<_> = trace.flown.iter().map(truth_of).collect();
-        let row = |(flown, truth): (&Flown<M>, &Option<Vec<[f64; 2]>>)| {
-            let (report, truth) = (flown.report.as_ref()?, truth.as_ref()?);
+        let truths = self.truths(&trace.flown);
+        let row = |flown: &Flown<M>| {
+            let report = flown.report.as_ref()?;
+            let truth = truths.get(&mission.step(report))?;
             let pose = &poses[usize::from(flown.agent.0)];
             let [x_m, y_m, z_m] = pose.p_world;
             let mut row = StepRecord {
@@ -296,7 +292,18 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
             mission.measure(report, truth, &mut row);
             Some(row)
         };
-        trace.flown.par_iter().zip(&truths).filter_map(row).collect()
+        trace.flown.par_iter().filter_map(row).collect()
+    }
+
+    /// Where targets were at the steps of these reports: one step, but in real time, where some come late.
+    fn truths(&self, flown: &[Flown<M>]) -> BTreeMap<Step, Vec<[f64; 2]>> {
+        let steps = flown.iter().filter_map(|f| f.report.as_ref()).map(|r| self.mission.step(r));
+        let steps: BTreeSet<Step> = steps.collect();
+        let located = |step| {
+            let truth = self.engine.truth_at(step)?;
+            Some((step, truth.iter().map(|target| target.location).collect()))
+        };
+        steps.into_iter().filter_map(located).collect()
     }
 
     /// What is the same in every row of a step.
