@@ -79,6 +79,20 @@ impl Inbox {
     }
 }
 
+/// Queues what others say under a key.
+fn subscribe(
+    session: &Session,
+    key: String,
+    sender: &SyncSender<News>,
+    read: impl Fn(&Sample) -> Option<News> + Send + Sync + 'static,
+) -> zenoh::Result<Subscriber<()>> {
+    session
+        .declare_subscriber(key)
+        .allowed_origin(Locality::Remote)
+        .callback(queueing(sender, read))
+        .wait()
+}
+
 /// An agent's side of the wire.
 pub struct Desk {
     inbox: Inbox,
@@ -119,13 +133,6 @@ impl Desk {
                 .express(true)
                 .wait()
         };
-        let subscribe = |key: String, read: fn(&Sample) -> Option<News>| {
-            session
-                .declare_subscriber(key)
-                .allowed_origin(Locality::Remote)
-                .callback(queueing(&sender, read))
-                .wait()
-        };
         let newest = Arc::new(AtomicU32::new(0));
         let seen = newest.clone();
         let noticed = move |sample: &Sample| {
@@ -135,11 +142,6 @@ impl Desk {
             }
             Some(news)
         };
-        let frames = session
-            .declare_subscriber(keys.frame(id))
-            .allowed_origin(Locality::Remote)
-            .callback(queueing(&sender, noticed))
-            .wait()?;
         let alive = session
             .liveliness()
             .declare_subscriber(keys.of("alive/*"))
@@ -147,9 +149,9 @@ impl Desk {
             .callback(queueing(&sender, presence))
             .wait()?;
         let subscribers = vec![
-            subscribe(keys.links(), link)?,
-            frames,
-            subscribe(keys.clock(), |sample| Some(News::Order(json(sample)?)))?,
+            subscribe(session, keys.links(), &sender, link)?,
+            subscribe(session, keys.frame(id), &sender, noticed)?,
+            subscribe(session, keys.clock(), &sender, |s| Some(News::Order(json(s)?)))?,
             alive,
         ];
         let queryable = |key: String, news: fn(Query) -> News| {
