@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 use csat_agent::config::{EstimatorConfig, GuidanceConfig};
 use csat_proto::camera::CameraModel;
 use csat_proto::model::{FleetModel, TargetsModel};
-use csat_world::map::{MapKind, SIZES_M};
+use csat_world::map::MapKind;
 
 use super::camera_check::car_coverage;
 use super::mistake::Mistake;
@@ -27,8 +27,6 @@ pub struct Issue {
     pub is_warning: bool,
 }
 
-/// The largest fleet.
-const MAX_COUNT: u16 = 1024;
 /// The most sequences of increments that `str1` to `str3` try in a decision.
 const MAX_SEQUENCES: usize = 1_000_000;
 /// The most cells of a raster.
@@ -54,7 +52,11 @@ const WHOLE_NUMBERS: [(&str, RangeInclusive<u64>, &str); 9] = [
 
 /// What is expected of a key whose value is a whole number within limits.
 pub fn whole_number(key: &str) -> Option<&'static str> {
-    WHOLE_NUMBERS.iter().find(|(k, ..)| *k == key).map(|(.., expected)| *expected)
+    limits(key).map(|(_, expected)| expected)
+}
+
+fn limits(key: &str) -> Option<(&'static RangeInclusive<u64>, &'static str)> {
+    WHOLE_NUMBERS.iter().find(|(k, ..)| *k == key).map(|(_, range, expected)| (range, *expected))
 }
 
 /// All issues of a scenario.
@@ -64,13 +66,9 @@ pub fn validate(scenario: &Scenario) -> Vec<Issue> {
     let is_plain = !name.contains(['/', '\\', '\0']) && !name.starts_with('.');
     check.that(is_plain, &["name"], &format!("`{name}`"), "a name that a folder can have");
     let period_s = run(&mut check, &scenario.run);
-    let [east, north] = scenario.map.size_m;
-    let size_ok = [east, north].iter().all(|side| SIZES_M.contains(side));
-    let expected = format!("two lengths from {} to {} m", SIZES_M.start(), SIZES_M.end());
-    check.that(size_ok, &["map.size_m"], &format!("[{east}, {north}]"), &expected);
     targets(&mut check, &scenario.targets);
-    fleet(&mut check, scenario);
-    camera(&mut check, scenario);
+    let is_fleet = fleet(&mut check, scenario);
+    camera(&mut check, scenario, is_fleet);
     estimator(&mut check, &scenario.estimator, scenario.map.size_m);
     guidance(&mut check, &scenario.guidance, period_s);
     exchange::judge(&mut check, &scenario.exchange, &scenario.netem, period_s);
@@ -122,12 +120,13 @@ impl Check {
         self.that(holds, &[key], &value_s.to_string(), &expected);
     }
 
-    /// Demands a value of [`WHOLE_NUMBERS`].
-    fn whole(&mut self, key: &'static str, value: impl Into<u64>) {
-        let (value, expected) = (value.into(), whole_number(key).unwrap_or("a whole number"));
-        let range = WHOLE_NUMBERS.iter().find(|(k, ..)| *k == key).map(|(_, range, _)| range);
-        let holds = range.is_none_or(|range| range.contains(&value));
+    /// Demands a value of [`WHOLE_NUMBERS`], and tells whether it is one.
+    fn whole(&mut self, key: &'static str, value: impl Into<u64>) -> bool {
+        let value = value.into();
+        let (range, expected) = limits(key).expect("a key of the table");
+        let holds = range.contains(&value);
         self.that(holds, &[key], &value.to_string(), expected);
+        holds
     }
 
     fn warn(&mut self, keys: &[&'static str], mistake: Mistake) {
@@ -188,9 +187,10 @@ fn targets(check: &mut Check, targets: &TargetsModel) {
     );
 }
 
-fn fleet(check: &mut Check, scenario: &Scenario) {
+/// Judges `[agents]`; tells whether there are as many as there may be.
+fn fleet(check: &mut Check, scenario: &Scenario) -> bool {
     let fleet = &scenario.agents;
-    check.whole("agents.count", fleet.count);
+    let is_fleet = check.whole("agents.count", fleet.count);
     let speed = fleet.speed_m_s;
     let holds = speed > 0.0 && speed <= 300.0;
     check.that(holds, &["agents.speed_m_s"], &speed.to_string(), "above 0 and up to 300 m/s");
@@ -217,6 +217,7 @@ fn fleet(check: &mut Check, scenario: &Scenario) {
         &format!("{} (the lowest UAV at {lowest} m)", fleet.altitude_m),
         &format!("all UAVs above {what}, {key} = {floor} m"),
     );
+    is_fleet
 }
 
 /// The lowest and the highest altitude.
@@ -225,7 +226,7 @@ fn altitudes(fleet: &FleetModel) -> [f64; 2] {
     [first.min(last), first.max(last)]
 }
 
-fn camera(check: &mut Check, scenario: &Scenario) {
+fn camera(check: &mut Check, scenario: &Scenario, is_fleet: bool) {
     let camera = &scenario.camera;
     let before = check.0.len();
     let image = format!("{} x {}", camera.columns, camera.rows);
@@ -251,7 +252,7 @@ fn camera(check: &mut Check, scenario: &Scenario) {
         "an interval around 0 that begins above -1",
     );
     let fleet_ok = altitudes(&scenario.agents).iter().all(|a| *a > 0.0 && a.is_finite());
-    if check.0.len() == before && fleet_ok && (1..=MAX_COUNT).contains(&scenario.agents.count) {
+    if check.0.len() == before && fleet_ok && is_fleet {
         pixels_on_a_car(check, camera, &scenario.agents, scenario.targets.body_m);
     }
 }
@@ -325,7 +326,8 @@ fn estimator(check: &mut Check, estimator: &EstimatorConfig, size_m: [f64; 2]) {
 fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>) {
     check.not_negative("guidance.kappa", guidance.kappa);
     check.not_negative("guidance.lambda", guidance.lambda);
-    check.whole("guidance.n_mpc", guidance.n_mpc);
+    let n_mpc = guidance.n_mpc;
+    let is_short = check.whole("guidance.n_mpc", n_mpc);
     if let Some(period_s) = period_s {
         let periods = guidance.period_s / period_s;
         check.that(
@@ -353,10 +355,9 @@ fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>)
         &got,
         "1 to 32 angles from -180 to 180 degrees",
     );
-    let n_mpc = guidance.n_mpc;
     let sequences = increments.len().saturating_pow(n_mpc.into());
     check.that(
-        sequences <= MAX_SEQUENCES || !(1..=6).contains(&n_mpc),
+        sequences <= MAX_SEQUENCES || !is_short,
         &["guidance.n_mpc", "guidance.increments_deg"],
         &format!("{n_mpc} with {} increments", increments.len()),
         &format!("at most {MAX_SEQUENCES} sequences of increments to try"),

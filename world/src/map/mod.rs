@@ -29,7 +29,7 @@ use project::TangentPlane;
 
 /// Sides of a region, metres. Sets live on a grid of ±4095 m (`proto::region`), and cameras look
 /// farther than the region.
-pub const SIZES_M: RangeInclusive<f64> = 20.0..=4000.0;
+const SIZES_M: RangeInclusive<f64> = 20.0..=4000.0;
 
 /// How far below the lowest UAV every top must stay, metres.
 pub const FLIGHT_CLEARANCE_M: f64 = 2.0;
@@ -173,7 +173,8 @@ fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
     };
     let size_ok = config.size_m.iter().all(|s| SIZES_M.contains(s));
     let size_expected = format!("two lengths from {} to {} m", SIZES_M.start(), SIZES_M.end());
-    expect(size_ok, "map.size_m", format!("{:?}", config.size_m), size_expected);
+    let [east, north] = config.size_m;
+    expect(size_ok, "map.size_m", format!("[{east}, {north}]"), size_expected);
     let limit = rules.height_limit_m();
     expect(
         limit > 1.0,
