@@ -183,7 +183,7 @@ pub struct Str4Config {
 
 impl Default for Str4Config {
     fn default() -> Self {
-        Self { n_mpc: 6, beam: 60 }
+        Self { n_mpc: 14, beam: 300 }
     }
 }
 

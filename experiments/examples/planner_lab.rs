@@ -201,7 +201,7 @@ impl Lab {
         Some(seen)
     }
 
-    /// Both passes of the loopback, and the commands.
+    /// Both passes of the loopback, or the one of `str4`, and the commands.
     fn decide(&mut self) {
         let grid = self.configs[0].raster_grid();
         let margin = coarse(&self.margin, grid, 4);
@@ -218,9 +218,13 @@ impl Lab {
         };
         let poses = self.world.poses();
         let mut turns = vec![0.0; poses.len()];
-        for pass in 0..2 {
+        let far_sighted = self.configs[0].guidance.criterion == Criterion::Str4;
+        for plan in self.plans.iter_mut().filter(|plan| !plan.is_empty()) {
+            plan.remove(0);
+        }
+        for pass in 0..if far_sighted { 1 } else { 2 } {
             for (i, planner) in self.planners.iter_mut().enumerate() {
-                let known = |&j: &usize| j != i && (pass > 0 || j < i);
+                let known = |&j: &usize| j != i && (far_sighted || pass > 0 || j < i);
                 let others: Vec<Vec<Pose>> =
                     (0..poses.len()).filter(known).map(|j| self.plans[j].clone()).collect();
                 let pose = Pose { yaw_rad: self.yaws[i], ..poses[i] };

@@ -221,25 +221,21 @@ impl Raster {
         out.words.fill(0);
         let reaches = disc_reaches(radius_m / self.grid.cell_m);
         let last_word = u64::MAX >> (self.words_per_row as u32 * 64 - self.grid.columns);
-        let mut spread = vec![0u64; self.words_per_row];
-        for row in 0..self.grid.rows {
-            if self.row(row).iter().all(|&word| word == 0) {
-                continue;
-            }
-            spread.copy_from_slice(self.row(row));
-            let mut reached = 0;
-            // The farther the row, the shorter the reach along it: farthest first, growing on.
-            for (offset, &reach) in reaches.iter().enumerate().rev() {
-                spread_bits(&mut spread, reach - reached);
-                reached = reach;
-                spread[self.words_per_row - 1] &= last_word;
-                let offset = offset as u32;
-                let below = row.checked_sub(offset);
-                let above = (offset > 0).then_some(row + offset).filter(|&r| r < self.grid.rows);
-                for target in below.into_iter().chain(above) {
-                    out.row_mut(target).iter_mut().zip(&spread).for_each(|(o, s)| *o |= s);
+        let (mut spread, mut reached) = (self.words.clone(), 0);
+        // The farther the row, the shorter the reach along it: farthest first, growing on.
+        for (offset, &reach) in reaches.iter().enumerate().rev() {
+            if reach > reached {
+                for row in spread.chunks_exact_mut(self.words_per_row) {
+                    spread_bits(row, reach - reached);
+                    row[self.words_per_row - 1] &= last_word;
                 }
+                reached = reach;
             }
+            let away = (offset * self.words_per_row).min(spread.len());
+            let kept = spread.len() - away;
+            let add = |(out, spread): (&mut u64, &u64)| *out |= spread;
+            out.words[..kept].iter_mut().zip(&spread[away..]).for_each(add);
+            out.words[away..].iter_mut().zip(&spread[..kept]).for_each(add);
         }
     }
 

@@ -2,8 +2,9 @@
 //!
 //! The cost of a candidate is Σ_k φ(X^Δ_k) over the blocks k = 1..N_MPC of the horizon, where (5.27)
 //! has φ(X^Δ) at its end alone: what is seen early stops growing early. The horizon is long enough to
-//! look all around, too long to try every sequence, so the search is a beam: per block the best
-//! candidates go on, at most one per place, lest the beam fill up with detours to the same spot.
+//! look all around and to go and do it elsewhere, too long to try every sequence, so the search is a
+//! beam: per block the best candidates go on, at most one per place, lest the beam fill up with detours
+//! to the same spot.
 
 use std::collections::BTreeSet;
 
@@ -34,18 +35,19 @@ pub(super) struct Beam {
     width: usize,
     /// v_max·T_MPC, metres.
     growth_m: f64,
+    scratch: Raster,
 }
 
 /// A candidate, up to some block.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 struct Candidate {
-    /// X^Δ after that block.
-    remaining: Raster,
+    /// Its place among the candidates of the block before.
+    parent: usize,
+    /// The last yaw increment, radians, and where it leads.
+    increment_rad: f64,
+    pose: Pose,
     /// Cells of X^Δ, summed over the blocks.
     unseen: u64,
-    pose: Pose,
-    /// Yaw increments and the poses they lead to.
-    choices: Vec<(f64, Pose)>,
 }
 
 impl Beam {
@@ -58,11 +60,12 @@ impl Beam {
             views: Views::new(grid, config),
             motion: Motion::new(config),
             meeting: Meeting::new(config),
-            turning: Turning::new(config),
+            turning: Turning::new(config, &increments),
             increments,
             blocks: config.guidance.blocks(),
             width: usize::from(config.guidance.str4.beam.max(1)),
             growth_m: config.targets.v_max_m_s * config.guidance.period_s,
+            scratch: Raster::empty(grid),
         }
     }
 
@@ -76,17 +79,19 @@ impl Beam {
         self.views.load(picture.oem);
         let margin = self.coarse(picture.margin);
         let remaining = self.coarse(picture.wanted);
-        let mut beam = vec![Candidate { remaining, unseen: 0, pose: *pose, choices: vec![] }];
-        let mut nodes = 0;
+        let root = Candidate { parent: 0, increment_rad: 0.0, pose: *pose, unseen: 0 };
+        let (mut beams, mut sets, mut nodes) = (vec![vec![root]], vec![remaining], 0);
         for (block, mut kept) in self.seen_by_others(pose, neighbours).into_iter().enumerate() {
             kept.union_with(&margin);
-            let children = self.children(&beam, &kept, self.spread_m(block));
+            self.pass_block(&mut sets, &kept, self.spread_m(block));
+            let children = self.children(&beams[block], &sets);
             nodes += children.len() as u32;
-            beam = self.best(children);
+            let best = self.best(children);
+            sets = best.iter().map(|child| self.after_look(child, &sets[child.parent])).collect();
+            beams.push(best);
         }
-        let best = beam.swap_remove(0);
-        let (increments_rad, poses) = best.choices.into_iter().unzip();
-        let cost = best.unseen as f64 * self.grid.cell_m.powi(2);
+        let cost = beams[self.blocks][0].unseen as f64 * self.grid.cell_m.powi(2);
+        let (increments_rad, poses) = first_of(&beams);
         Decision { increments_rad, poses, cost, terms: Terms::default(), nodes }
     }
 
@@ -124,21 +129,25 @@ impl Beam {
         ((cells(block + 1) - cells(block) - 0.5) * self.grid.cell_m).max(0.0)
     }
 
-    /// Every candidate a block later: X^Δ has grown by f^t (4.24) and lost `kept`, where no target
-    /// can be or a neighbour looks, and what is seen from the new pose.
-    fn children(&mut self, beam: &[Candidate], kept: &Raster, spread_m: f64) -> Vec<Candidate> {
+    /// Every X^Δ a block later, before the own look: it has grown by f^t (4.24) and lost `kept`, where
+    /// no target can be or a neighbour looks.
+    fn pass_block(&mut self, sets: &mut [Raster], kept: &Raster, spread_m: f64) {
+        for set in sets {
+            set.dilate_disc_into(spread_m, &mut self.scratch);
+            self.scratch.subtract(kept);
+            std::mem::swap(set, &mut self.scratch);
+        }
+    }
+
+    /// All that `beam` may do in the next block, when X^Δ is in `sets` but for the own look.
+    fn children(&mut self, beam: &[Candidate], sets: &[Raster]) -> Vec<Candidate> {
         let mut children = Vec::with_capacity(beam.len() * self.increments.len());
-        for parent in beam {
-            let mut base = parent.remaining.dilated_disc(spread_m);
-            base.subtract(kept);
-            for &increment_rad in &self.increments {
-                let pose = self.turning.advance(&parent.pose, increment_rad);
-                let mut remaining = base.clone();
-                self.views.look(&pose).take_from(&mut remaining);
-                let unseen = parent.unseen + u64::from(remaining.count());
-                let mut choices = parent.choices.clone();
-                choices.push((increment_rad, pose));
-                children.push(Candidate { remaining, unseen, pose, choices });
+        for (parent, (candidate, set)) in beam.iter().zip(sets).enumerate() {
+            let unseen = candidate.unseen + u64::from(set.count());
+            for (choice, &increment_rad) in self.increments.iter().enumerate() {
+                let pose = self.turning.advance(&candidate.pose, choice);
+                let unseen = unseen - u64::from(self.views.look(&pose).count_in(set));
+                children.push(Candidate { parent, increment_rad, pose, unseen });
             }
         }
         children
@@ -149,10 +158,32 @@ impl Beam {
         // Stable: among equals those of the better parent, then of the gentler turn.
         children.sort_by_key(|child| child.unseen);
         let mut taken = BTreeSet::new();
-        children.retain(|child| taken.insert(place(&child.pose)));
-        children.truncate(self.width);
+        children.retain(|child| taken.len() < self.width && taken.insert(place(&child.pose)));
         children
     }
+
+    /// `set` after the last look of `candidate`.
+    fn after_look(&mut self, candidate: &Candidate, set: &Raster) -> Raster {
+        let mut set = set.clone();
+        self.views.look(&candidate.pose).take_from(&mut set);
+        set
+    }
+}
+
+/// The increments and poses that led to the first candidate of the last beam.
+fn first_of(beams: &[Vec<Candidate>]) -> (Vec<f64>, Vec<Pose>) {
+    let mut at = 0;
+    let mut way: Vec<(f64, Pose)> = beams[1..]
+        .iter()
+        .rev()
+        .map(|beam| {
+            let Candidate { parent, increment_rad, pose, .. } = beam[at];
+            at = parent;
+            (increment_rad, pose)
+        })
+        .collect();
+    way.reverse();
+    way.into_iter().unzip()
 }
 
 #[cfg(test)]

@@ -8,6 +8,9 @@
 //! waiting. Whoever was given up on is not waited for again until heard from: a dead neighbour costs
 //! one delay, not one per decision.
 //!
+//! Plans of `str4` reach so far that what is left of those of the last decision serves as the first
+//! pass of the loopback: everybody plans once, says it once and accounts for everybody.
+//!
 //! [`Scheduler`] has no clock: it is told the time.
 
 use csat_proto::camera::Pose;
@@ -16,7 +19,7 @@ use csat_proto::message::Plan;
 use csat_proto::time::{SimTime, Step};
 
 use super::rollout::Motion;
-use crate::config::{AgentConfig, Schedule};
+use crate::config::{AgentConfig, Criterion, Schedule};
 
 /// A planning pass that may begin now.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,6 +103,8 @@ pub struct Scheduler {
     steps_per_block: u32,
     period_s: f64,
     timeout_s: f64,
+    /// Whether plans reach so far that those of the last decision serve as a first pass.
+    far_sighted: bool,
     passes: u8,
     /// By index; the own entry stays empty.
     fleet: Vec<Neighbour>,
@@ -116,6 +121,7 @@ impl Scheduler {
     pub fn new(config: &AgentConfig) -> Self {
         let guidance = &config.guidance;
         let count = usize::from(config.fleet.count.max(config.id.0.saturating_add(1)));
+        let far_sighted = guidance.criterion == Criterion::Str4;
         let loopback = guidance.schedule == Schedule::SequentialLoopback && count > 1;
         Self {
             own: usize::from(config.id.0),
@@ -126,7 +132,8 @@ impl Scheduler {
             period_s: config.period_s,
             // A decision that outlived its block would never be flown.
             timeout_s: guidance.plan_timeout_s.clamp(0.0, 0.99 * guidance.period_s),
-            passes: if loopback { 2 } else { 1 },
+            far_sighted,
+            passes: if loopback && !far_sighted { 2 } else { 1 },
             fleet: vec![Neighbour::default(); count],
             start: SimTime(0),
             step: Step(0),
@@ -256,7 +263,7 @@ impl Scheduler {
             (Stage::Pass(pass), _) => Some(pass),
         };
         pass.into_iter()
-            .flat_map(|pass| self.accounted_for(pass).map(move |index| (pass, index)))
+            .flat_map(|pass| self.built_on(pass).map(move |index| (pass, index)))
             .filter_map(|(pass, index)| {
                 // In the loopback, those before this one have planned again, those after it not yet.
                 let needed = if index < self.own { pass } else { 0 };
@@ -267,10 +274,24 @@ impl Scheduler {
             })
     }
 
-    /// Whom a pass accounts for: in the first sequential one only those before this agent.
-    fn accounted_for(&self, pass: u8) -> impl Iterator<Item = usize> + use<> {
+    /// Whose plans of this decision a pass builds on: in the first sequential one those before this
+    /// agent.
+    fn built_on(&self, pass: u8) -> impl Iterator<Item = usize> + use<> {
+        self.others(self.reach(pass))
+    }
+
+    /// One past the last of them.
+    fn reach(&self, pass: u8) -> usize {
         let all = pass > 0 || self.schedule == Schedule::Asynchronous;
-        let end = if all { self.fleet.len() } else { self.own };
+        if all { self.fleet.len() } else { self.own }
+    }
+
+    /// Whom a pass accounts for: far-sighted plans of the last decision tell of those after it, too.
+    fn accounted_for(&self, pass: u8) -> impl Iterator<Item = usize> + use<> {
+        self.others(if self.far_sighted { self.fleet.len() } else { self.reach(pass) })
+    }
+
+    fn others(&self, end: usize) -> impl Iterator<Item = usize> + use<> {
         let own = self.own;
         (0..end).filter(move |&index| index != own)
     }

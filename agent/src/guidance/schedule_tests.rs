@@ -119,6 +119,32 @@ fn the_loopback_waits_for_the_right_passes() {
     assert_eq!((middle.ready(), middle.next_deadline()), (None, None));
 }
 
+/// Plans of `str4` reach so far that those of the last decision serve as a first pass.
+#[test]
+fn far_sighted_plans_need_one_pass_and_account_for_everybody() {
+    for schedule in [Schedule::Sequential, Schedule::SequentialLoopback] {
+        let far_sighted = |id| {
+            let mut config = config(id, 3, schedule);
+            config.guidance.criterion = Criterion::Str4;
+            Scheduler::new(&config)
+        };
+        let mut fleet: Vec<Scheduler> = (0..3).map(far_sighted).collect();
+        let (events, _) = run(&mut fleet, &[0, 1, 2], SimTime(0), 0.01);
+        assert_eq!(order(&events), [(0, 0, vec![]), (1, 0, vec![0]), (2, 0, vec![0, 1])]);
+        let (events, commanded) = run(&mut fleet, &[0, 1, 2], SimTime::from_seconds(3.0), 0.01);
+        let everybody = [(0, 0, vec![1, 2]), (1, 0, vec![0, 2]), (2, 0, vec![0, 1])];
+        assert_eq!(order(&events), everybody);
+        assert_eq!(commanded, [0, 1, 2]);
+        // Those before have planned again, of those after the second block is the current one.
+        fleet[1].on_instant(SimTime::from_seconds(6.0));
+        assert_eq!(fleet[1].ready(), None, "it waits for those before");
+        fleet[1].on_plan(AgentId(0), &plan(0, Step(12), 0)).unwrap();
+        let pass = fleet[1].ready().unwrap();
+        assert_eq!(pass.poses[0][0], plan(0, Step(12), 0).poses[0]);
+        assert_eq!(pass.poses[1][0], plan(2, Step(6), 0).poses[1]);
+    }
+}
+
 #[test]
 fn asynchronous_plans_at_once_with_the_plans_before() {
     let mut fleet = fleet(Schedule::Asynchronous);

@@ -2,7 +2,7 @@
 
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::model::Ground;
-use csat_proto::oem::OemDelta;
+use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::Raster;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -141,7 +141,7 @@ fn wide_towers_hide_what_all_of_them_would() {
         let oem = random_oem(&mut rng, 45.0);
         wide.load(&oem);
         all.load(&oem);
-        all.half_m = wide.half_m;
+        all.towers.iter_mut().for_each(|tower| tower.half = [oem.grid().cell_m; 2]);
         left_out += all.towers.len() - wide.towers.len();
         let eye = [rng.random_range(-260.0..260.0), rng.random_range(-260.0..260.0), 52.0];
         let pose = Pose::level(eye, rng.random_range(-4.0..4.0));
