@@ -73,6 +73,10 @@ pub enum PlanError {
     },
 }
 
+/// A far-sighted plan that was heard more decisions ago than this counts no more: whoever is not heard
+/// does not tell what it sees, so to leave ground to it for 42 s is to leave it unexplored.
+const FAR_SIGHTED_DECISIONS: u32 = 2;
+
 /// What is known of one neighbour.
 #[derive(Debug, Clone, Default)]
 struct Neighbour {
@@ -300,7 +304,10 @@ impl Scheduler {
     /// schedule none from this decision, so that it does not matter who is scheduled first.
     fn known_plan(&self, index: usize) -> Option<&Plan> {
         let neighbour = &self.fleet[index];
+        let oldest = if self.far_sighted { FAR_SIGHTED_DECISIONS } else { u32::MAX };
+        let oldest = self.step.0.saturating_sub(oldest.saturating_mul(self.steps_per_block));
         let usable = |plan: &&Plan| match self.schedule {
+            _ if plan.step.0 < oldest => false,
             Schedule::Asynchronous => plan.step < self.step,
             Schedule::Sequential | Schedule::SequentialLoopback => plan.step <= self.step,
         };

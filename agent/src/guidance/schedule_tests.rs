@@ -145,6 +145,22 @@ fn far_sighted_plans_need_one_pass_and_account_for_everybody() {
     }
 }
 
+/// What a silent neighbour sees is not told: far-sighted plans must not count on it for long.
+#[test]
+fn far_sighted_plans_of_the_silent_count_for_two_decisions() {
+    let mut config = config(1, 2, Schedule::SequentialLoopback);
+    config.guidance.criterion = Criterion::Str4;
+    let mut last = Scheduler::new(&config);
+    last.on_plan(AgentId(0), &plan(0, Step(0), 0)).unwrap();
+    for (decision, heeded) in [(0, 1), (1, 1), (2, 1), (3, 0)] {
+        let start = SimTime::from_seconds(3.0 * f64::from(decision));
+        last.on_instant(start);
+        last.on_timeout(start.after(0.4));
+        assert_eq!(last.ready().unwrap().neighbours.len(), heeded, "decision {decision}");
+        last.on_own_plan(&plan(1, Step(6 * decision), 0));
+    }
+}
+
 #[test]
 fn asynchronous_plans_at_once_with_the_plans_before() {
     let mut fleet = fleet(Schedule::Asynchronous);
