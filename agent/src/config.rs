@@ -183,7 +183,7 @@ pub struct Str4Config {
 
 impl Default for Str4Config {
     fn default() -> Self {
-        Self { n_mpc: 14, beam: 300 }
+        Self { n_mpc: 20, beam: 200 }
     }
 }
 

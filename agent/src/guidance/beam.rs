@@ -14,7 +14,7 @@ use csat_proto::raster::{Grid, Raster};
 use super::criterion::Terms;
 use super::rollout::{Meeting, Motion};
 use super::turning::Turning;
-use super::views::{Views, place};
+use super::views::{Place, Views};
 use super::{Decision, Picture};
 use crate::config::AgentConfig;
 
@@ -158,7 +158,9 @@ impl Beam {
         // Stable: among equals those of the better parent, then of the gentler turn.
         children.sort_by_key(|child| child.unseen);
         let mut taken = BTreeSet::new();
-        children.retain(|child| taken.len() < self.width && taken.insert(place(&child.pose)));
+        children.retain(|child| {
+            taken.len() < self.width && taken.insert(Place::of(&child.pose, &self.grid))
+        });
         children
     }
 

@@ -4,7 +4,7 @@ use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::raster::{Grid, Raster};
 
 use super::footprint::Footprint;
-use super::shadow::{Caster, Tower, Towers, hides_point};
+use super::shadow::{Caster, Towers, hides_point};
 use crate::config::{AgentConfig, Criterion};
 use crate::estimate::oem::Oem;
 
@@ -67,15 +67,7 @@ pub(super) struct Sight {
 
 impl Sight {
     pub(super) fn new(config: &AgentConfig) -> Self {
-        Self::on(config.raster_grid(), config)
-    }
-
-    /// As [`Self::new`], on another grid and with [wide](Towers::wide) towers.
-    pub(super) fn wide(grid: Grid, config: &AgentConfig) -> Self {
-        Self { towers: Towers::wide(), ..Self::on(grid, config) }
-    }
-
-    fn on(grid: Grid, config: &AgentConfig) -> Self {
+        let grid = config.raster_grid();
         Self {
             camera: config.camera,
             grid,
@@ -117,11 +109,6 @@ impl Sight {
             self.caster.cast(&self.towers, pose.p_world, footprint.corners());
         }
         footprint
-    }
-
-    /// The same, as if nothing but some towers stood there.
-    pub(super) fn look_at(&mut self, towers: &[Tower], p_world: [f64; 3]) {
-        self.caster.cast_all(towers.iter(), p_world);
     }
 
     /// Those of `bits`, cells of one word of one row within the footprint of the last pose, that are

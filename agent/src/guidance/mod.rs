@@ -9,6 +9,7 @@
 //! | `search` | the tree of yaw increments |
 //! | `beam` | `str4`: the best few candidates, block by block |
 //! | `views` | what `str4` sees from where, remembered |
+//! | `viewshed` | what buildings hide from a cell, for `str4` |
 //! | `turning` | motion with the delay of a turn, for `str4` |
 //! | `route` | `circles` and `lawnmower`: no planning |
 //! | [`schedule`] | who plans when, and with which plans of the others |
@@ -31,6 +32,7 @@ mod search;
 mod shadow;
 mod turning;
 mod views;
+mod viewshed;
 
 use beam::Beam;
 use criterion::{Sight, Terms, Weights};

@@ -74,7 +74,7 @@ pub enum PlanError {
 }
 
 /// A far-sighted plan that was heard more decisions ago than this counts no more: whoever is not heard
-/// does not tell what it sees, so to leave ground to it for 42 s is to leave it unexplored.
+/// does not tell what it sees, so to leave ground to it for a minute is to leave it unexplored.
 const FAR_SIGHTED_DECISIONS: u32 = 2;
 
 /// What is known of one neighbour.

@@ -7,6 +7,7 @@
 //! when h ≥ z. Rays are laid out by slope, not by angle, so that a cell finds its ray and its place
 //! on it with one division and no trigonometry, and the place is exact: only the slope is rounded.
 
+use csat_proto::oem::OemCell;
 use csat_proto::raster::Grid;
 
 use crate::estimate::oem::Oem;
@@ -14,95 +15,40 @@ use crate::estimate::oem::Oem;
 /// The Occupied cells of an OEM, row by row.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Towers {
-    /// Whether towers reach half a cell beyond their own, and such as are equally high and side by side
-    /// are one.
-    wide: bool,
     cell_m: f64,
     origin: [f64; 2],
-    towers: Vec<Tower>,
+    /// (x, y, height) of the cells' centres, `world`, metres.
+    towers: Vec<[f64; 3]>,
     /// Where each row starts in `towers`, and the end.
     row_starts: Vec<usize>,
 }
 
-/// A box on the ground, metres.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Tower {
-    /// Its middle, `world`.
-    at: [f64; 2],
-    /// Half its sides, east and north.
-    half: [f64; 2],
-    pub(super) height: f64,
-}
-
-impl Tower {
-    /// The wide tower of a cell.
-    pub(super) fn wide(oem: &Oem, column: u32, row: u32) -> Option<Self> {
-        let (at, half) = (oem.grid().centre(column, row), [oem.grid().cell_m; 2]);
-        oem.height_m(column, row).map(|height| Self { at, half, height })
-    }
-
-    /// Whether it may stand in a fan with its apex at `foot`.
-    pub(super) fn is_in(&self, fan: &Fan, foot: [f64; 2]) -> bool {
-        let d = [self.at[0] - foot[0], self.at[1] - foot[1]];
-        // No point of a tower is farther from its middle than this.
-        fan.meets(d, self.half[0].hypot(self.half[1]))
-    }
-}
-
 impl Towers {
-    /// Towers that reach half a cell beyond their own. A cell whose centre was seen is Empty (4.40),
-    /// whatever stands in its corner: so far buildings may reach beyond the cells they occupy.
-    pub(super) fn wide() -> Self {
-        Self { wide: true, ..Self::default() }
-    }
-
     /// Replaces the towers by the boxes (4.41) of `oem`.
     pub(super) fn load(&mut self, oem: &Oem) {
         let grid = oem.grid();
         (self.cell_m, self.origin) = (grid.cell_m, grid.origin());
-        let half = if self.wide { grid.cell_m } else { 0.5 * grid.cell_m };
         self.towers.clear();
         self.row_starts.clear();
-        for row in 0..grid.rows {
+        for (cells, row) in oem.cells().chunks(grid.columns as usize).zip(0..) {
             self.row_starts.push(self.towers.len());
-            let mut before = None;
-            for column in 0..grid.columns {
-                let height = oem.height_m(column, row);
-                let height = height.filter(|&h| !self.wide || !is_covered(oem, column, row, h));
-                match (height, self.towers.last_mut()) {
-                    // Boxes that touch hide what the box around them would.
-                    (Some(_), Some(last)) if self.wide && height == before => {
-                        last.at[0] += 0.5 * grid.cell_m;
-                        last.half[0] += 0.5 * grid.cell_m;
-                    }
-                    (Some(height), _) => {
-                        let at = grid.centre(column, row);
-                        self.towers.push(Tower { at, half: [half; 2], height });
-                    }
-                    (None, _) => {}
+            for (cell, column) in cells.iter().zip(0..) {
+                if let OemCell::Occupied { height_dm } = *cell {
+                    let [x, y] = grid.centre(column, row);
+                    self.towers.push([x, y, f64::from(height_dm) / 10.0]);
                 }
-                before = height;
             }
         }
         self.row_starts.push(self.towers.len());
     }
 
     /// The towers of the rows within `reach_m` of `y`.
-    fn near_rows(&self, y: f64, reach_m: f64) -> &[Tower] {
+    fn near_rows(&self, y: f64, reach_m: f64) -> &[[f64; 3]] {
         let Some(rows) = self.row_starts.len().checked_sub(1) else { return &[] };
         let row = |y: f64| ((y - self.origin[1]) / self.cell_m).clamp(0.0, rows as f64);
         let (first, last) = (row(y - reach_m).floor(), row(y + reach_m).ceil());
         &self.towers[self.row_starts[first as usize]..self.row_starts[last as usize]]
     }
-}
-
-/// Whether the towers north and south of this one, wide as they are, stand where it does and are not
-/// lower: then it hides nothing that they do not. Only odd rows are left out, so that those which cover
-/// them are there.
-fn is_covered(oem: &Oem, column: u32, row: u32, height_m: f64) -> bool {
-    let rows = oem.grid().rows;
-    let stands = |row: u32| row < rows && oem.height_m(column, row).is_some_and(|h| h >= height_m);
-    row % 2 == 1 && stands(row - 1) && stands(row + 1)
 }
 
 /// Casts the shadows of [`Towers`] for one pose at a time.
@@ -145,19 +91,6 @@ impl Caster {
     /// Forgets the last pose and casts the shadows for a camera at `p_world`. Only shadows that may
     /// fall into `footprint` (a convex ring, metres) are cast.
     pub(super) fn cast(&mut self, towers: &Towers, p_world: [f64; 3], footprint: &[[f64; 2]]) {
-        let foot = [p_world[0], p_world[1]];
-        let fan = Fan::around(foot, footprint);
-        // No tower reaches farther than a cell beyond its row.
-        let near = towers.near_rows(foot[1], self.reach_m + towers.cell_m).iter();
-        self.cast_all(near.filter(|t| fan.as_ref().is_none_or(|fan| t.is_in(fan, foot))), p_world);
-    }
-
-    /// Forgets the last pose and casts the shadows of some towers.
-    pub(super) fn cast_all<'a>(
-        &mut self,
-        towers: impl Iterator<Item = &'a Tower>,
-        p_world: [f64; 3],
-    ) {
         let [x, y, z] = p_world;
         self.bits.fill(0);
         self.foot = [x, y];
@@ -166,14 +99,18 @@ impl Caster {
             self.foot_cell[axis] = cell as i64;
             self.phase[axis] = self.origin[axis] + (cell + 0.5) * self.cell_m - self.foot[axis];
         }
-        for &Tower { at, half, height } in towers {
-            let d = [at[0] - x, at[1] - y];
-            if d[0].abs() > self.reach_m + half[0] {
+        let half = 0.5 * towers.cell_m;
+        // No point of a cell is farther from its centre than this.
+        let margin = half * std::f64::consts::SQRT_2;
+        let fan = Fan::around([x, y], footprint);
+        for &[tower_x, tower_y, height] in towers.near_rows(y, self.reach_m + half) {
+            let d = [tower_x - x, tower_y - y];
+            let out_of_reach = d[0].abs() > self.reach_m + half;
+            if out_of_reach || fan.as_ref().is_some_and(|fan| !fan.meets(d, margin)) {
                 continue;
             }
             let stretch = if height < z { z / (z - height) } else { f64::INFINITY };
-            let around = |axis: usize| [d[axis] - half[axis], d[axis] + half[axis]];
-            let (x, y) = (around(0), around(1));
+            let (x, y) = ([d[0] - half, d[0] + half], [d[1] - half, d[1] + half]);
             let mirrored = |[low, high]: [f64; 2]| [-high, -low];
             self.mark(Quadrant::East, x, y, stretch);
             self.mark(Quadrant::West, mirrored(x), y, stretch);
@@ -276,15 +213,15 @@ fn set_bits(words: &mut [u64], first: usize, last: usize) {
 }
 
 /// The directions from the foot to a convex ring that does not contain it.
-#[derive(Debug, Clone)]
-pub(super) struct Fan {
+#[derive(Debug)]
+struct Fan {
     right: [f64; 2],
     left: [f64; 2],
 }
 
 impl Fan {
     /// `None` when the foot lies inside the ring, so that every direction counts.
-    pub(super) fn around(foot: [f64; 2], ring: &[[f64; 2]]) -> Option<Self> {
+    fn around(foot: [f64; 2], ring: &[[f64; 2]]) -> Option<Self> {
         let mut directions = ring.iter().filter_map(|p| {
             let d = [p[0] - foot[0], p[1] - foot[1]];
             let length = d[0].hypot(d[1]);
@@ -308,7 +245,7 @@ impl Fan {
     }
 
     /// Whether a disc about `d`, seen from the foot, may touch the fan.
-    pub(super) fn meets(&self, d: [f64; 2], radius: f64) -> bool {
+    fn meets(&self, d: [f64; 2], radius: f64) -> bool {
         cross(self.right, d) >= -radius && cross(d, self.left) >= -radius
     }
 }
