@@ -60,7 +60,7 @@ impl Skyline {
 
 /// What is known of a cell of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Sight {
+enum Look {
     /// Nothing: its ray was not cast since the eye moved.
     Unknown,
     Seen,
@@ -85,7 +85,7 @@ pub(super) struct Viewshed {
     /// The eye's (column, row), also outside the grid.
     eye: [i32; 2],
     /// By ray and cell: first the rays to the east, then west, north, south; in each quadrant by slope.
-    rays: Vec<Sight>,
+    rays: Vec<Look>,
 }
 
 impl Viewshed {
@@ -106,7 +106,7 @@ impl Viewshed {
             stretch: [0; 256],
             z_m: f64::NAN,
             eye: [0; 2],
-            rays: vec![Sight::Unknown; 4 * reach * (reach + 1)],
+            rays: vec![Look::Unknown; 4 * reach * (reach + 1)],
         }
     }
 
@@ -121,7 +121,7 @@ impl Viewshed {
     /// The next bits are those seen from `z_m` above the centre of a cell.
     pub(super) fn look_from(&mut self, eye: [i32; 2], z_m: f64) {
         self.eye = eye;
-        self.rays.fill(Sight::Unknown);
+        self.rays.fill(Look::Unknown);
         if self.z_m != z_m {
             self.z_m = z_m;
             let storey_m = f64::from(STOREY_DM) / 10.0;
@@ -145,10 +145,10 @@ impl Viewshed {
             let lowest = rest & rest.wrapping_neg();
             rest ^= lowest;
             let place = self.place_of[(first + lowest.trailing_zeros() as i32) as usize] as usize;
-            if self.rays[place] == Sight::Unknown {
+            if self.rays[place] == Look::Unknown {
                 self.cast_ray(place / (self.reach + 1));
             }
-            if self.rays[place] == Sight::Seen {
+            if self.rays[place] == Look::Seen {
                 seen |= lowest;
             }
         }
@@ -168,13 +168,13 @@ impl Viewshed {
         let rays = &mut self.rays[ray * cells..][inside.clone()];
         // In halves of a cell and shares of STRETCH.
         let mut end = 0;
-        for ((sight, across), cell) in rays.iter_mut().zip(across).zip(inside.start as i32..) {
+        for ((look, across), cell) in rays.iter_mut().zip(across).zip(inside.start as i32..) {
             // Across the axis a ray may leave the map, too.
             let index = (axis + across) * length + from + step * cell;
             let storeys = skyline.get(index as usize).copied().unwrap_or(0);
             end = end.max((2 * cell as u64 + 1) * self.stretch[usize::from(storeys)]);
             let is_hidden = 2 * cell as u64 * STRETCH < end;
-            *sight = if is_hidden { Sight::Hidden } else { Sight::Seen };
+            *look = if is_hidden { Look::Hidden } else { Look::Seen };
         }
     }
 }
