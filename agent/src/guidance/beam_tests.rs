@@ -28,7 +28,7 @@ fn scene(config: &AgentConfig, rng: &mut ChaCha8Rng) -> Scene {
     fill(&mut scene.margin, [-20.0, 10.0], [-20.0, 30.0]);
     for _ in 0..30 {
         let [column, row] = [0, 1].map(|_| rng.random_range(0..config.oem_grid().columns));
-        scene.occupy(column, row, 20 * rng.random_range(2..21));
+        scene.occupy(column, row, rng.random_range(30..420));
     }
     scene
 }

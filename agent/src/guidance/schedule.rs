@@ -304,8 +304,8 @@ impl Scheduler {
     /// schedule none from this decision, so that it does not matter who is scheduled first.
     fn known_plan(&self, index: usize) -> Option<&Plan> {
         let neighbour = &self.fleet[index];
-        let oldest = if self.far_sighted { FAR_SIGHTED_DECISIONS } else { u32::MAX };
-        let oldest = self.step.0.saturating_sub(oldest.saturating_mul(self.steps_per_block));
+        let lasts = self.steps_per_block.saturating_mul(FAR_SIGHTED_DECISIONS);
+        let oldest = if self.far_sighted { self.step.0.saturating_sub(lasts) } else { 0 };
         let usable = |plan: &&Plan| match self.schedule {
             _ if plan.step.0 < oldest => false,
             Schedule::Asynchronous => plan.step < self.step,

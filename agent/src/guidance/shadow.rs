@@ -289,4 +289,4 @@ pub(super) fn hides_point(oem: &Oem, p_world: [f64; 3], p: [f64; 2]) -> bool {
 
 #[cfg(test)]
 #[path = "shadow_tests.rs"]
-mod tests;
+pub(super) mod tests;

@@ -14,14 +14,14 @@ fn grid(cell_m: f64) -> Grid {
     Grid::covering(&Ground { size_m: [500.0; 2] }, cell_m)
 }
 
-fn occupy(oem: &mut Oem, column: u32, row: u32, height_m: f64) {
+pub(in super::super) fn occupy(oem: &mut Oem, column: u32, row: u32, height_m: f64) {
     let cell = oem.grid().index(column, row) as u32;
     let height_dm = (height_m * 10.0).round() as u16;
     oem.join(OemDelta { cell, state: OemCell::Occupied { height_dm } });
 }
 
 /// A few buildings of several cells each.
-fn random_oem(rng: &mut ChaCha8Rng, tallest_m: f64) -> Oem {
+pub(in super::super) fn random_oem(rng: &mut ChaCha8Rng, tallest_m: f64) -> Oem {
     let mut oem = Oem::unexplored(grid(5.0));
     for _ in 0..25 {
         let (column, row) = (rng.random_range(0..95), rng.random_range(0..95));

@@ -5,27 +5,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::super::shadow::hides_point;
+use super::super::shadow::tests::{occupy, random_oem};
 use super::*;
 
 const GROUND: Ground = Ground { size_m: [500.0, 420.0] };
-
-fn occupy(oem: &mut Oem, column: u32, row: u32, height_dm: u16) {
-    let cell = oem.grid().index(column, row) as u32;
-    oem.join(OemDelta { cell, state: OemCell::Occupied { height_dm } });
-}
-
-fn random_oem(rng: &mut ChaCha8Rng) -> Oem {
-    let mut oem = Oem::unexplored(Grid::covering(&GROUND, 5.0));
-    for _ in 0..25 {
-        let (column, row) = (rng.random_range(0..95), rng.random_range(0..79));
-        let (width, depth) = (rng.random_range(1..6), rng.random_range(1..6));
-        let height_dm = 10 * rng.random_range(2..45);
-        for c in column..column + width {
-            (row..row + depth).for_each(|r| occupy(&mut oem, c, r, height_dm));
-        }
-    }
-    oem
-}
 
 /// The boxes that a skyline makes of a map.
 fn boxes(skyline: &Skyline, grid: &Grid) -> Oem {
@@ -47,7 +30,7 @@ fn what_is_hidden_is_what_points_say() {
     let grid = Grid::covering(&GROUND, 4.0);
     let (mut hidden, mut false_hidden, mut false_seen) = (0, 0, 0);
     for _ in 0..10 {
-        let oem = random_oem(&mut rng);
+        let oem = random_oem(&mut rng, 45.0);
         let mut viewshed = Viewshed::new(grid, 300.0);
         assert!(viewshed.load(&oem) && !viewshed.load(&oem), "news are told once");
         let boxes = boxes(&viewshed.skyline, &grid);
@@ -80,8 +63,8 @@ fn a_shadow_ends_where_the_line_of_sight_over_the_roof_meets_the_ground() {
     let grid = Grid::covering(&ground, 4.0);
     let mut oem = Oem::unexplored(grid);
     // Half a cell more on both sides are two cells, the farther one ending 20.5 cells away.
-    occupy(&mut oem, 70, 50, 260);
-    occupy(&mut oem, 50, 30, 520);
+    occupy(&mut oem, 70, 50, 26.0);
+    occupy(&mut oem, 50, 30, 52.0);
     let mut viewshed = Viewshed::new(grid, 300.0);
     viewshed.load(&oem);
     viewshed.look_from([50, 50], 52.0);
@@ -99,8 +82,8 @@ fn eyes_may_be_outside_the_map() {
     let ground = Ground { size_m: [200.0; 2] };
     let grid = Grid::covering(&ground, 4.0);
     let mut oem = Oem::unexplored(grid);
-    (20..30).for_each(|i| occupy(&mut oem, i, 10, 600));
-    (20..30).for_each(|i| occupy(&mut oem, 10, i, 600));
+    (20..30).for_each(|i| occupy(&mut oem, i, 10, 60.0));
+    (20..30).for_each(|i| occupy(&mut oem, 10, i, 60.0));
     let mut viewshed = Viewshed::new(grid, 300.0);
     viewshed.load(&oem);
     for (eye, behind) in
