@@ -100,6 +100,16 @@ impl Raster {
         &self.grid
     }
 
+    /// The words of all rows, from south to north.
+    pub fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    /// The words of all rows, for writing; bits past the last column must stay 0.
+    pub fn words_mut(&mut self) -> &mut [u64] {
+        &mut self.words
+    }
+
     /// The words of one row, least significant bit westernmost.
     pub fn row(&self, row: u32) -> &[u64] {
         let start = row as usize * self.words_per_row;

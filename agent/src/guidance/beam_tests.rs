@@ -4,7 +4,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::super::Planner;
 use super::super::tests::{Scene, default_config, fill};
-use super::super::viewshed::Viewshed;
+use super::super::viewshed::RayCaster;
 use super::*;
 use crate::config::Criterion;
 
@@ -73,19 +73,21 @@ fn sets_spread_as_fast_as_targets_drive() {
 }
 
 /// Σ φ(X^Δ_k) of a sequence, cells by the definition; what is seen by the camera from the middle
-/// of the nearest third cell, point by point.
+/// of the nearest third cell and the nearest quarter of a degree, point by point.
 fn cost(config: &AgentConfig, scene: &Scene, poses: &[Pose], other: &[Pose]) -> f64 {
     let beam = Beam::new(config, vec![]);
     let (mut remaining, margin) = (beam.coarse(&scene.wanted), beam.coarse(&scene.margin));
-    let mut viewshed = Viewshed::new(beam.grid, config.camera.d_max_m);
-    viewshed.load(&scene.oem);
+    let mut caster = RayCaster::new(beam.grid, config.camera.d_max_m);
+    caster.load(&scene.oem);
     let corner = beam.grid.centre(0, 0);
     let mut see = |pose: &Pose, remaining: &mut Raster| {
         let place = [0, 1].map(|i| ((pose.p_world[i] - corner[i]) / 12.0).round() * 3.0);
         let [x, y] = [0, 1].map(|i| corner[i] + place[i] * 4.0);
-        let rounded = Pose::level([x, y, pose.p_world[2]], pose.yaw_rad);
+        let quarters = (pose.yaw_rad.to_degrees() * 4.0).round();
+        let rounded = Pose::level([x, y, pose.p_world[2]], (quarters / 4.0).to_radians());
         let camera = config.camera.at(&rounded);
-        viewshed.look_from(place.map(|cell| cell as i32), pose.p_world[2]);
+        let eye = place.map(|cell| cell as i32);
+        let mut viewshed = caster.viewshed(eye, pose.p_world[2]);
         for (column, row) in remaining.clone().iter() {
             let p = remaining.grid().centre(column, row);
             let ground = nalgebra::Vector3::new(p[0], p[1], 0.0);
@@ -93,8 +95,11 @@ fn cost(config: &AgentConfig, scene: &Scene, poses: &[Pose], other: &[Pose]) -> 
                 .project(&ground)
                 .is_some_and(|[c, r]| (0.0..480.0).contains(&c) && (0.0..360.0).contains(&r));
             let is_near = (ground - camera.centre_world()).norm() <= config.camera.d_max_m;
-            let (word, bit) = (column as usize / 64, 1 << (column % 64));
-            if in_image && is_near && viewshed.seen(row, word, bit) != 0 {
+            let [east, north] = [column as i32 - eye[0], row as i32 - eye[1]];
+            let rays = caster.rays_of([[east, north]].into_iter());
+            caster.cast(&mut viewshed, &rays);
+            let (word, bit) = (column as i32 / 64, 1 << (column % 64));
+            if in_image && is_near && viewshed.seen(row as i32, word, bit) != 0 {
                 remaining.clear(column, row);
             }
         }

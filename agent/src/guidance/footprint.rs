@@ -46,6 +46,11 @@ impl Footprint {
         run.is_some_and(|run| run.contains(&column))
     }
 
+    /// The footprint as rows and the columns in each.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (u32, Range<u32>)> + '_ {
+        (self.first_row..).zip(self.runs.iter().cloned())
+    }
+
     /// The footprint as (row, word of the row, bits).
     pub(super) fn words(&self) -> impl Iterator<Item = (u32, usize, u64)> + '_ {
         self.runs.iter().zip(self.first_row..).flat_map(|(run, row)| {

@@ -7,6 +7,8 @@
 //! that ends at distance d hides from height z what is nearer than d·z/(z-h). Cells take the ray that is
 //! next to them.
 
+use std::ops::Range;
+
 use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::Grid;
 
@@ -19,24 +21,27 @@ const STOREY_DM: u16 = 10;
 const STRETCH: u64 = 1 << 10;
 /// A stretch beyond all reach.
 const FARTHEST: u64 = 1 << 32;
+/// The axes of the quadrants: east, north, west, south. To the left of each lies the next.
+const AXES: [[i32; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 
-/// The buildings of a map on a planner's grid, in storeys; 0 where nothing is known to stand. Twice, so
-/// that the cells along an axis lie side by side for rays of either axis.
+/// The buildings of a map on a planner's grid, in storeys; 0 where nothing is known to stand.
 ///
 /// They are taken to reach half a cell beyond their own. A cell whose centre was seen is Empty (4.40),
 /// whatever stands in its corner: so far buildings may reach beyond the cells they occupy.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Skyline {
-    /// Row by row.
-    rows: Vec<u8>,
-    /// Column by column.
-    columns: Vec<u8>,
+struct Skyline {
+    grid: Grid,
+    /// How far eyes may be outside the grid and then look, cells. Rows have so many empty cells on both
+    /// sides: what lies beyond the end of a row is the margin of another.
+    margin: i32,
+    storeys: Vec<u8>,
 }
 
 impl Skyline {
     /// What stands in `oem`, on `grid`.
-    pub(super) fn of(oem: &Oem, grid: &Grid) -> Self {
-        let mut rows = vec![0; grid.cells()];
+    fn of(oem: &Oem, grid: &Grid, margin: i32) -> Self {
+        let mut skyline = Self { grid: *grid, margin, storeys: Vec::new() };
+        skyline.storeys = vec![0; (grid.rows as i32 * skyline.stride()) as usize];
         // Far enough to hold the centre of a cell, however large those are.
         let reach = oem.grid().cell_m.max(0.5 * grid.cell_m);
         for OemDelta { cell, state } in oem.known() {
@@ -47,157 +52,255 @@ impl Skyline {
             let columns = grid.columns_between(x - reach, x + reach);
             for row in grid.rows_between(y - reach, y + reach) {
                 for column in columns.clone() {
-                    let stands = &mut rows[grid.index(column, row)];
-                    *stands = storeys.max(*stands);
+                    let index = skyline.index([column as i32, row as i32]) as usize;
+                    skyline.storeys[index] = storeys.max(skyline.storeys[index]);
                 }
             }
         }
-        let by_column = (0..grid.columns).flat_map(|c| (0..grid.rows).map(move |r| (c, r)));
-        let columns = by_column.map(|(column, row)| rows[grid.index(column, row)]).collect();
-        Self { rows, columns }
+        skyline
+    }
+
+    /// Cells from row to row.
+    fn stride(&self) -> i32 {
+        self.grid.columns as i32 + 2 * self.margin
+    }
+
+    /// The place in `storeys` of a (column, row); outside it for rows outside the grid.
+    fn index(&self, [column, row]: [i32; 2]) -> isize {
+        (row * self.stride() + self.margin + column) as isize
+    }
+
+    /// Whether something may be seen from a (column, row).
+    fn is_in_reach_of(&self, eye: [i32; 2]) -> bool {
+        let sides = [self.grid.columns, self.grid.rows].map(|cells| cells as i32);
+        [0, 1].iter().all(|&i| (-self.margin..sides[i] + self.margin).contains(&eye[i]))
     }
 }
 
-/// What is known of a cell of a ray.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Look {
-    /// Nothing: its ray was not cast since the eye moved.
-    Unknown,
-    Seen,
-    Hidden,
+/// A ray of a quadrant, so many cells along its axis; in cells to the left of the axis.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    /// The cell it passes.
+    passes: i16,
+    /// The first cell that takes this ray: the last one comes before the first of the next ray.
+    first: i16,
 }
 
-/// Looks at a [`Skyline`] from one cell at a time.
+/// Rays by number, a bit each.
+pub(super) type Rays = Vec<u64>;
+
+/// The cells of a map that are hidden from the middle of one of its cells, or of one outside it.
 #[derive(Debug, Clone)]
 pub(super) struct Viewshed {
-    grid: Grid,
+    /// (column, row).
+    eye: [i32; 2],
+    z_m: f64,
+    /// The rays that were cast: nothing is known of the cells of others.
+    cast: Rays,
+    /// The south-west corner of `hidden`: its row, and its word of a row of the map.
+    corner: [i32; 2],
+    words_per_row: i32,
+    /// The hidden cells.
+    hidden: Vec<u64>,
+}
+
+impl Viewshed {
+    /// The cell of the eye, (column, row).
+    pub(super) fn eye(&self) -> [i32; 2] {
+        self.eye
+    }
+
+    /// Those of `bits`, cells of one word of one row within reach, whose rays were cast, that are not
+    /// hidden.
+    pub(super) fn seen(&self, row: i32, word: i32, bits: u64) -> u64 {
+        let index = (row - self.corner[1]) * self.words_per_row + word - self.corner[0];
+        bits & !self.hidden[index as usize]
+    }
+
+    /// Hides `count` cells side by side, from `cell` on to the east or to the north.
+    fn hide(&mut self, [column, row]: [i32; 2], count: i32, is_row: bool) {
+        let column = column - 64 * self.corner[0];
+        let word = ((row - self.corner[1]) * self.words_per_row + column / 64) as usize;
+        if is_row {
+            let bits = ((1_u128 << count) - 1) << (column % 64);
+            self.hidden[word] |= bits as u64;
+            self.hidden[word + 1] |= (bits >> 64) as u64;
+        } else {
+            let column_of_words =
+                self.hidden[word..].iter_mut().step_by(self.words_per_row as usize);
+            column_of_words.take(count as usize).for_each(|word| *word |= 1 << (column % 64));
+        }
+    }
+}
+
+/// Finds viewsheds in a map.
+#[derive(Debug, Clone)]
+pub(super) struct RayCaster {
     skyline: Skyline,
-    /// How far rays go, cells along their quadrant's axis.
-    reach: usize,
-    /// The place in `rays` of every cell within reach, row by row from the far south-west.
-    place_of: Vec<u32>,
-    /// By ray of a quadrant and cell along its axis: how many cells it is off that axis.
-    across: Vec<i32>,
+    /// How far rays go, cells along their quadrant's axis; there are as many rays in a quadrant.
+    reach: i32,
+    /// By ray of a quadrant, with one past the last, and cell along its axis.
+    steps: Vec<Step>,
     /// By storeys: what the distance of their far side is multiplied by to give their shadow's end, seen
     /// from `z_m`; in shares of [`STRETCH`].
     stretch: [u64; 256],
     z_m: f64,
-    /// The eye's (column, row), also outside the grid.
-    eye: [i32; 2],
-    /// By ray and cell: first the rays to the east, then west, north, south; in each quadrant by slope.
-    rays: Vec<Look>,
 }
 
-impl Viewshed {
+impl RayCaster {
     /// Of an empty map on `grid`, for looks no farther than `reach_m` on the ground.
     pub(super) fn new(grid: Grid, reach_m: f64) -> Self {
-        let reach = (reach_m / grid.cell_m).ceil().max(1.0) as usize;
-        let slope = |ray: usize| (ray as f64 + 0.5) * 2.0 / reach as f64 - 1.0;
-        let off_axis = |ray, cell: usize| (slope(ray) * cell as f64).round() as i32;
-        let across = (0..reach).flat_map(|ray| (0..=reach).map(move |cell| off_axis(ray, cell)));
-        let span = -(reach as i32)..=reach as i32;
-        let cells = span.clone().flat_map(|y| span.clone().map(move |x| [x, y]));
+        let reach = (reach_m / grid.cell_m).ceil().clamp(1.0, f64::from(i16::MAX)) as i32;
+        let step = |ray: i32, cell: i32| Step {
+            passes: ((2 * ray + 1 - reach) * cell + reach / 2).div_euclid(reach) as i16,
+            first: -((reach - 2 * ray) * cell).div_euclid(reach) as i16,
+        };
         Self {
-            grid,
-            skyline: Skyline::of(&Oem::unexplored(grid), &grid),
+            skyline: Skyline::of(&Oem::unexplored(grid), &grid, reach),
             reach,
-            place_of: cells.map(|cell| place_of(cell, reach)).collect(),
-            across: across.collect(),
+            steps: (0..=reach).flat_map(|r| (0..=reach).map(move |c| step(r, c))).collect(),
             stretch: [0; 256],
             z_m: f64::NAN,
-            eye: [0; 2],
-            rays: vec![Look::Unknown; 4 * reach * (reach + 1)],
         }
     }
 
-    /// The next looks are at `oem`; false if it looks as before.
+    /// How far rays go, cells.
+    pub(super) fn reach(&self) -> i32 {
+        self.reach
+    }
+
+    /// The next rays are cast in `oem`; false if it looks as before.
     pub(super) fn load(&mut self, oem: &Oem) -> bool {
-        let skyline = Skyline::of(oem, &self.grid);
+        let skyline = Skyline::of(oem, &self.skyline.grid, self.reach);
         let is_new = skyline != self.skyline;
         self.skyline = skyline;
         is_new
     }
 
-    /// The next bits are those seen from `z_m` above the centre of a cell.
-    pub(super) fn look_from(&mut self, eye: [i32; 2], z_m: f64) {
-        self.eye = eye;
-        self.rays.fill(Look::Unknown);
-        if self.z_m != z_m {
-            self.z_m = z_m;
-            let storey_m = f64::from(STOREY_DM) / 10.0;
-            for (stretch, storeys) in self.stretch.iter_mut().zip(0..) {
-                let height = f64::from(storeys) * storey_m;
-                // What is as high as the eye hides all that lies behind.
-                let factor = if height < z_m { z_m / (z_m - height) } else { f64::INFINITY };
-                *stretch = (factor * STRETCH as f64).min(FARTHEST as f64) as u64;
+    /// The ray that a cell takes which is so far east and north of the eye; none for the eye's own.
+    pub(super) fn ray_of(&self, cell: [i32; 2]) -> Option<usize> {
+        let dot = |axis: [i32; 2]| axis[0] * cell[0] + axis[1] * cell[1];
+        (0..4).find_map(|quadrant| {
+            let (along, across) = (dot(AXES[quadrant]), dot(AXES[(quadrant + 1) % 4]));
+            let ray = || (across + along) * self.reach / (2 * along);
+            let is_inside = along > 0 && (-along..along).contains(&across);
+            is_inside.then(|| quadrant * self.reach as usize + ray() as usize)
+        })
+    }
+
+    /// Those rays.
+    pub(super) fn rays_of(&self, cells: impl Iterator<Item = [i32; 2]>) -> Rays {
+        let mut rays = self.no_rays();
+        cells
+            .filter_map(|cell| self.ray_of(cell))
+            .for_each(|ray| rays[ray / 64] |= 1 << (ray % 64));
+        rays
+    }
+
+    fn no_rays(&self) -> Rays {
+        vec![0; (4 * self.reach as usize).div_ceil(64)]
+    }
+
+    /// What is hidden from `z_m` above the middle of a cell, (column, row): nothing, until rays are cast.
+    pub(super) fn viewshed(&self, eye: [i32; 2], z_m: f64) -> Viewshed {
+        let corner = [(eye[0] - self.reach).div_euclid(64), eye[1] - self.reach];
+        let words_per_row = (eye[0] + self.reach).div_euclid(64) - corner[0] + 1;
+        // One more, for runs that end with the last.
+        let words = words_per_row * (2 * self.reach + 1) + 1;
+        let hidden = vec![0; words as usize];
+        Viewshed { eye, z_m, cast: self.no_rays(), corner, words_per_row, hidden }
+    }
+
+    /// Casts those of `rays` that were not.
+    pub(super) fn cast(&mut self, viewshed: &mut Viewshed, rays: &Rays) {
+        if !self.skyline.is_in_reach_of(viewshed.eye) {
+            return;
+        }
+        self.set_height(viewshed.z_m);
+        for (word, rays) in rays.iter().enumerate() {
+            let mut rest = rays & !viewshed.cast[word];
+            viewshed.cast[word] |= rest;
+            while rest != 0 {
+                self.cast_ray(viewshed, word * 64 + rest.trailing_zeros() as usize);
+                rest &= rest - 1;
             }
-            self.stretch[0] = 0;
         }
     }
 
-    /// Those of `bits`, cells of one word of one row within reach, that are not hidden.
-    pub(super) fn seen(&mut self, row: u32, word: usize, bits: u64) -> u64 {
-        let reach = self.reach as i32;
-        let [x, y] = [word as i32 * 64 - self.eye[0], row as i32 - self.eye[1]];
-        let first = (y + reach) * (2 * reach + 1) + x + reach;
-        let (mut seen, mut rest) = (0, bits);
-        while rest != 0 {
-            let lowest = rest & rest.wrapping_neg();
-            rest ^= lowest;
-            let place = self.place_of[(first + lowest.trailing_zeros() as i32) as usize] as usize;
-            if self.rays[place] == Look::Unknown {
-                self.cast_ray(place / (self.reach + 1));
-            }
-            if self.rays[place] == Look::Seen {
-                seen |= lowest;
-            }
+    fn set_height(&mut self, z_m: f64) {
+        if self.z_m == z_m {
+            return;
         }
-        seen
+        self.z_m = z_m;
+        let storey_m = f64::from(STOREY_DM) / 10.0;
+        for (stretch, storeys) in self.stretch.iter_mut().zip(0..) {
+            let height = f64::from(storeys) * storey_m;
+            // What is as high as the eye hides all that lies behind.
+            let factor = if height < z_m { z_m / (z_m - height) } else { f64::INFINITY };
+            *stretch = (factor * STRETCH as f64).min(FARTHEST as f64) as u64;
+        }
+        self.stretch[0] = 0;
     }
 
-    /// Finds which cells of a ray are hidden.
-    fn cast_ray(&mut self, ray: usize) {
-        let (quadrant, ray_of_quadrant, cells) =
-            (ray / self.reach, ray % self.reach, self.reach + 1);
-        let (step, along) = (if quadrant % 2 == 0 { 1 } else { -1 }, quadrant / 2);
-        let (from, axis) = (self.eye[along], self.eye[1 - along]);
-        let length = [self.grid.columns, self.grid.rows][along] as i32;
-        let skyline = [&self.skyline.rows, &self.skyline.columns][along];
-        let inside = inside(from, step, length, cells);
-        let across = &self.across[ray_of_quadrant * cells..][inside.clone()];
-        let rays = &mut self.rays[ray * cells..][inside.clone()];
+    /// Finds which cells that take a ray are hidden.
+    fn cast_ray(&self, viewshed: &mut Viewshed, ray: usize) {
+        let (quadrant, ray) = (ray / self.reach as usize, ray % self.reach as usize);
+        let ([ahead, left], cells) = ([AXES[quadrant], AXES[(quadrant + 1) % 4]], self.reach + 1);
+        let sides = [self.skyline.grid.columns, self.skyline.grid.rows].map(|cells| cells as i32);
+        let (eye, axis) = (viewshed.eye, quadrant % 2);
+        let inside = inside(eye[axis], ahead[axis], sides[axis], cells);
+        let of_ray = |ray: usize| {
+            &self.steps[ray * cells as usize..][inside.start as usize..inside.end as usize]
+        };
+        let (steps, next) = (of_ray(ray), of_ray(ray + 1));
+        let is_left_up = left[1 - axis] > 0;
+        self.trace(eye, [ahead, left], inside.start, steps, |index| {
+            let cell = inside.start + index as i32;
+            let [first, end] = [steps, next].map(|steps| i32::from(steps[index].first));
+            let lowest = if is_left_up { first } else { end - 1 };
+            let [x, y] = [0, 1].map(|i| eye[i] + ahead[i] * cell + left[i] * lowest);
+            viewshed.hide([x, y], end - first, axis == 1);
+        });
+    }
+
+    /// Says of which of the `steps`, the first of them `cell` cells ahead, the cells are hidden.
+    fn trace(
+        &self,
+        eye: [i32; 2],
+        axes: [[i32; 2]; 2],
+        cell: i32,
+        steps: &[Step],
+        mut hidden: impl FnMut(usize),
+    ) {
+        let storeys = &self.skyline.storeys;
+        let [ahead, left] = axes.map(|axis| (axis[1] * self.skyline.stride() + axis[0]) as isize);
+        let mut on_axis = self.skyline.index(eye) + cell as isize * ahead;
         // In halves of a cell and shares of STRETCH.
-        let mut end = 0;
-        for ((look, across), cell) in rays.iter_mut().zip(across).zip(inside.start as i32..) {
-            // Across the axis a ray may leave the map, too.
-            let index = (axis + across) * length + from + step * cell;
-            let storeys = skyline.get(index as usize).copied().unwrap_or(0);
-            end = end.max((2 * cell as u64 + 1) * self.stretch[usize::from(storeys)]);
-            let is_hidden = 2 * cell as u64 * STRETCH < end;
-            *look = if is_hidden { Look::Hidden } else { Look::Seen };
+        let (mut end, mut near) = (0, 2 * cell as u64);
+        for (index, steps) in (0..).step_by(64).zip(steps.chunks(64)) {
+            let mut bits = 0;
+            for (bit, step) in steps.iter().enumerate() {
+                let index = on_axis + step.passes as isize * left;
+                let storeys = storeys.get(index as usize).copied().unwrap_or(0);
+                end = end.max((near + 1) * self.stretch[usize::from(storeys)]);
+                bits |= u64::from(near * STRETCH < end) << bit;
+                near += 2;
+                on_axis += ahead;
+            }
+            while bits != 0 {
+                hidden(index + bits.trailing_zeros() as usize);
+                bits &= bits - 1;
+            }
         }
     }
 }
 
 /// Which of the `cells` cells from `from` on, `step` by `step`, are among the first `length` of all.
-fn inside(from: i32, step: i32, length: i32, cells: usize) -> std::ops::Range<usize> {
+fn inside(from: i32, step: i32, length: i32, cells: i32) -> Range<i32> {
     let (first, end) =
         if step > 0 { (-from, length - from) } else { (from - length + 1, from + 1) };
-    let clamp = |cell: i32| (cell.max(0) as usize).min(cells);
-    clamp(first)..clamp(end).max(clamp(first))
-}
-
-/// The place, among the cells of all rays, of a cell that is so far east and north of the eye.
-fn place_of([x, y]: [i32; 2], reach: usize) -> u32 {
-    let (quadrant, along, across) = match (x.abs() >= y.abs(), x >= 0, y >= 0) {
-        (true, true, _) => (0, x, y),
-        (true, false, _) => (1, -x, y),
-        (false, _, true) => (2, y, x),
-        (false, _, false) => (3, -y, x),
-    };
-    let slope = f64::from(across) / f64::from(along.max(1));
-    let ray = ((slope + 1.0) * 0.5 * reach as f64) as usize;
-    ((quadrant * reach + ray.min(reach - 1)) * (reach + 1)) as u32 + along as u32
+    let first = first.clamp(0, cells);
+    first..end.clamp(first, cells)
 }
 
 #[cfg(test)]

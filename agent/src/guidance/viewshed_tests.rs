@@ -11,17 +11,32 @@ use super::*;
 const GROUND: Ground = Ground { size_m: [500.0, 420.0] };
 
 /// The boxes that a skyline makes of a map.
-fn boxes(skyline: &Skyline, grid: &Grid) -> Oem {
-    let mut oem = Oem::unexplored(*grid);
-    for (cell, &storeys) in (0..).zip(&skyline.rows).filter(|&(_, &storeys)| storeys > 0) {
-        let height_dm = u16::from(storeys) * STOREY_DM;
-        oem.join(OemDelta { cell, state: OemCell::Occupied { height_dm } });
+fn boxes(skyline: &Skyline) -> Oem {
+    let grid = skyline.grid;
+    let mut oem = Oem::unexplored(grid);
+    for (column, row) in (0..grid.columns).flat_map(|c| (0..grid.rows).map(move |r| (c, r))) {
+        let storeys = skyline.storeys[skyline.index([column as i32, row as i32]) as usize];
+        if storeys > 0 {
+            let state = OemCell::Occupied { height_dm: u16::from(storeys) * STOREY_DM };
+            oem.join(OemDelta { cell: grid.index(column, row) as u32, state });
+        }
     }
     oem
 }
 
-fn sees(viewshed: &mut Viewshed, [column, row]: [i32; 2]) -> bool {
-    viewshed.seen(row as u32, column as usize / 64, 1 << (column % 64)) != 0
+/// All that there is to know from `eye`.
+fn all_around(caster: &mut RayCaster, eye: [i32; 2], z_m: f64) -> Viewshed {
+    let mut viewshed = caster.viewshed(eye, z_m);
+    let cells = -caster.reach..=caster.reach;
+    let cells = cells.clone().flat_map(|x| cells.clone().map(move |y| [x, y]));
+    let rays = caster.rays_of(cells);
+    assert_eq!(rays.iter().map(|word| word.count_ones()).sum::<u32>(), 4 * caster.reach as u32);
+    caster.cast(&mut viewshed, &rays);
+    viewshed
+}
+
+fn sees(viewshed: &Viewshed, [column, row]: [i32; 2]) -> bool {
+    viewshed.seen(row, column / 64, 1 << (column % 64)) != 0
 }
 
 #[test]
@@ -29,22 +44,22 @@ fn what_is_hidden_is_what_points_say() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     let grid = Grid::covering(&GROUND, 4.0);
     let (mut hidden, mut false_hidden, mut false_seen) = (0, 0, 0);
-    for _ in 0..10 {
+    for _ in 0..20 {
         let oem = random_oem(&mut rng, 45.0);
-        let mut viewshed = Viewshed::new(grid, 300.0);
-        assert!(viewshed.load(&oem) && !viewshed.load(&oem), "news are told once");
-        let boxes = boxes(&viewshed.skyline, &grid);
-        let eye = [rng.random_range(-30..155), rng.random_range(-30..135)];
+        let mut caster = RayCaster::new(grid, 300.0);
+        assert!(caster.load(&oem) && !caster.load(&oem), "news are told once");
+        let boxes = boxes(&caster.skyline);
+        let eye = [rng.random_range(-75..200), rng.random_range(-75..180)];
         let [x, y] = [0, 1].map(|i| grid.origin()[i] + (f64::from(eye[i]) + 0.5) * grid.cell_m);
         let z_m = rng.random_range(30.0..70.0);
-        viewshed.look_from(eye, z_m);
+        let viewshed = all_around(&mut caster, eye, z_m);
         for (column, row) in (0..125).flat_map(|c| (0..105).map(move |r| (c, r))) {
             let p = grid.centre(column as u32, row as u32);
             if (p[0] - x).hypot(p[1] - y) > 300.0 {
                 continue;
             }
             let expected = hides_point(&boxes, [x, y, z_m], p);
-            let found = !sees(&mut viewshed, [column, row]);
+            let found = !sees(&viewshed, [column, row]);
             hidden += u32::from(expected);
             false_hidden += u32::from(found && !expected);
             false_seen += u32::from(expected && !found);
@@ -65,15 +80,15 @@ fn a_shadow_ends_where_the_line_of_sight_over_the_roof_meets_the_ground() {
     // Half a cell more on both sides are two cells, the farther one ending 20.5 cells away.
     occupy(&mut oem, 70, 50, 26.0);
     occupy(&mut oem, 50, 30, 52.0);
-    let mut viewshed = Viewshed::new(grid, 300.0);
-    viewshed.load(&oem);
-    viewshed.look_from([50, 50], 52.0);
+    let mut caster = RayCaster::new(grid, 300.0);
+    caster.load(&oem);
+    let viewshed = all_around(&mut caster, [50, 50], 52.0);
     // A roof half as high as the eye: twice as far.
-    let hidden: Vec<i32> = (50..101).filter(|&c| !sees(&mut viewshed, [c, 50])).collect();
+    let hidden: Vec<i32> = (50..101).filter(|&c| !sees(&viewshed, [c, 50])).collect();
     assert_eq!(hidden, (69..91).collect::<Vec<_>>());
-    let hidden: Vec<i32> = (0..50).filter(|&r| !sees(&mut viewshed, [50, r])).collect();
+    let hidden: Vec<i32> = (0..50).filter(|&r| !sees(&viewshed, [50, r])).collect();
     assert_eq!(hidden, (0..31).collect::<Vec<_>>(), "as high as the eye");
-    assert!((0..101).all(|r| (0..50).all(|c| c > 45 && r < 35 || sees(&mut viewshed, [c, r]))));
+    assert!((0..101).all(|r| (0..50).all(|c| c > 45 && r < 35 || sees(&viewshed, [c, r]))));
 }
 
 /// The same from outside the map, where rays enter it somewhere on their way.
@@ -84,14 +99,33 @@ fn eyes_may_be_outside_the_map() {
     let mut oem = Oem::unexplored(grid);
     (20..30).for_each(|i| occupy(&mut oem, i, 10, 60.0));
     (20..30).for_each(|i| occupy(&mut oem, 10, i, 60.0));
-    let mut viewshed = Viewshed::new(grid, 300.0);
-    viewshed.load(&oem);
+    let mut caster = RayCaster::new(grid, 300.0);
+    caster.load(&oem);
     for (eye, behind) in
         [([25, -20], [25, 12]), ([25, 60], [25, 8]), ([-20, 25], [12, 25]), ([60, 25], [8, 25])]
     {
-        viewshed.look_from(eye, 52.0);
-        assert!(!sees(&mut viewshed, behind) && sees(&mut viewshed, [40, 40]), "{eye:?}");
+        let viewshed = all_around(&mut caster, eye, 52.0);
+        assert!(!sees(&viewshed, behind) && sees(&viewshed, [40, 40]), "{eye:?}");
     }
-    viewshed.look_from([500, 500], 52.0);
+    all_around(&mut caster, [500, -500], 52.0);
     assert_eq!(inside(500, -1, 50, 76), 76..76);
+}
+
+/// What was asked for before makes no difference.
+#[test]
+fn cells_take_one_ray_each() {
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let mut caster = RayCaster::new(Grid::covering(&GROUND, 4.0), 300.0);
+    caster.load(&random_oem(&mut rng, 45.0));
+    let eye = [60, 50];
+    let whole = all_around(&mut caster, eye, 52.0);
+    let (mut known, mut hidden) = (caster.viewshed(eye, 52.0), 0);
+    for _ in 0..500 {
+        let cell = [rng.random_range(0..125), rng.random_range(0..105)];
+        let rays = caster.rays_of([[cell[0] - eye[0], cell[1] - eye[1]]].into_iter());
+        caster.cast(&mut known, &rays);
+        assert_eq!(sees(&known, cell), sees(&whole, cell), "{cell:?}");
+        hidden += u32::from(!sees(&known, cell));
+    }
+    assert!((50..450).contains(&hidden), "{hidden}");
 }
