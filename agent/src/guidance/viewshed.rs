@@ -52,7 +52,7 @@ impl Skyline {
             let columns = grid.columns_between(x - reach, x + reach);
             for row in grid.rows_between(y - reach, y + reach) {
                 for column in columns.clone() {
-                    let index = skyline.index([column as i32, row as i32]) as usize;
+                    let index = skyline.index([column as i32, row as i32]);
                     skyline.storeys[index] = storeys.max(skyline.storeys[index]);
                 }
             }
@@ -65,9 +65,14 @@ impl Skyline {
         self.grid.columns as i32 + 2 * self.margin
     }
 
-    /// The place in `storeys` of a (column, row); outside it for rows outside the grid.
-    fn index(&self, [column, row]: [i32; 2]) -> isize {
-        (row * self.stride() + self.margin + column) as isize
+    /// The place of a (column, row) in `storeys`; outside it for rows outside the grid.
+    fn index(&self, [column, row]: [i32; 2]) -> usize {
+        (row * self.stride() + self.margin + column) as usize
+    }
+
+    /// Of a (column, row), also outside the grid.
+    fn storeys(&self, cell: [i32; 2]) -> u8 {
+        self.storeys.get(self.index(cell)).copied().unwrap_or(0)
     }
 
     /// Whether something may be seen from a (column, row).
@@ -117,19 +122,10 @@ impl Viewshed {
         bits & !self.hidden[index as usize]
     }
 
-    /// Hides `count` cells side by side, from `cell` on to the east or to the north.
-    fn hide(&mut self, [column, row]: [i32; 2], count: i32, is_row: bool) {
+    fn hide(&mut self, [column, row]: [i32; 2]) {
         let column = column - 64 * self.corner[0];
-        let word = ((row - self.corner[1]) * self.words_per_row + column / 64) as usize;
-        if is_row {
-            let bits = ((1_u128 << count) - 1) << (column % 64);
-            self.hidden[word] |= bits as u64;
-            self.hidden[word + 1] |= (bits >> 64) as u64;
-        } else {
-            let column_of_words =
-                self.hidden[word..].iter_mut().step_by(self.words_per_row as usize);
-            column_of_words.take(count as usize).for_each(|word| *word |= 1 << (column % 64));
-        }
+        let index = (row - self.corner[1]) * self.words_per_row + column / 64;
+        self.hidden[index as usize] |= 1 << (column % 64);
     }
 }
 
@@ -205,8 +201,7 @@ impl RayCaster {
     pub(super) fn viewshed(&self, eye: [i32; 2], z_m: f64) -> Viewshed {
         let corner = [(eye[0] - self.reach).div_euclid(64), eye[1] - self.reach];
         let words_per_row = (eye[0] + self.reach).div_euclid(64) - corner[0] + 1;
-        // One more, for runs that end with the last.
-        let words = words_per_row * (2 * self.reach + 1) + 1;
+        let words = words_per_row * (2 * self.reach + 1);
         let hidden = vec![0; words as usize];
         Viewshed { eye, z_m, cast: self.no_rays(), corner, words_per_row, hidden }
     }
@@ -246,50 +241,18 @@ impl RayCaster {
     fn cast_ray(&self, viewshed: &mut Viewshed, ray: usize) {
         let (quadrant, ray) = (ray / self.reach as usize, ray % self.reach as usize);
         let ([ahead, left], cells) = ([AXES[quadrant], AXES[(quadrant + 1) % 4]], self.reach + 1);
-        let sides = [self.skyline.grid.columns, self.skyline.grid.rows].map(|cells| cells as i32);
+        let sides = [self.skyline.grid.columns, self.skyline.grid.rows].map(|side| side as i32);
         let (eye, axis) = (viewshed.eye, quadrant % 2);
-        let inside = inside(eye[axis], ahead[axis], sides[axis], cells);
-        let of_ray = |ray: usize| {
-            &self.steps[ray * cells as usize..][inside.start as usize..inside.end as usize]
-        };
-        let (steps, next) = (of_ray(ray), of_ray(ray + 1));
-        let is_left_up = left[1 - axis] > 0;
-        self.trace(eye, [ahead, left], inside.start, steps, |index| {
-            let cell = inside.start + index as i32;
-            let [first, end] = [steps, next].map(|steps| i32::from(steps[index].first));
-            let lowest = if is_left_up { first } else { end - 1 };
-            let [x, y] = [0, 1].map(|i| eye[i] + ahead[i] * cell + left[i] * lowest);
-            viewshed.hide([x, y], end - first, axis == 1);
-        });
-    }
-
-    /// Says of which of the `steps`, the first of them `cell` cells ahead, the cells are hidden.
-    fn trace(
-        &self,
-        eye: [i32; 2],
-        axes: [[i32; 2]; 2],
-        cell: i32,
-        steps: &[Step],
-        mut hidden: impl FnMut(usize),
-    ) {
-        let storeys = &self.skyline.storeys;
-        let [ahead, left] = axes.map(|axis| (axis[1] * self.skyline.stride() + axis[0]) as isize);
-        let mut on_axis = self.skyline.index(eye) + cell as isize * ahead;
+        let [steps, next] = [ray, ray + 1].map(|ray| &self.steps[ray * cells as usize..]);
         // In halves of a cell and shares of STRETCH.
-        let (mut end, mut near) = (0, 2 * cell as u64);
-        for (index, steps) in (0..).step_by(64).zip(steps.chunks(64)) {
-            let mut bits = 0;
-            for (bit, step) in steps.iter().enumerate() {
-                let index = on_axis + step.passes as isize * left;
-                let storeys = storeys.get(index as usize).copied().unwrap_or(0);
-                end = end.max((near + 1) * self.stretch[usize::from(storeys)]);
-                bits |= u64::from(near * STRETCH < end) << bit;
-                near += 2;
-                on_axis += ahead;
-            }
-            while bits != 0 {
-                hidden(index + bits.trailing_zeros() as usize);
-                bits &= bits - 1;
+        let mut end = 0;
+        for cell in inside(eye[axis], ahead[axis], sides[axis], cells) {
+            let step = steps[cell as usize];
+            let at = |off: i16| [0, 1].map(|i| eye[i] + ahead[i] * cell + left[i] * i32::from(off));
+            let storeys = self.skyline.storeys(at(step.passes));
+            end = end.max((2 * cell as u64 + 1) * self.stretch[usize::from(storeys)]);
+            if 2 * cell as u64 * STRETCH < end {
+                (step.first..next[cell as usize].first).for_each(|off| viewshed.hide(at(off)));
             }
         }
     }

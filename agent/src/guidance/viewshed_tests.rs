@@ -15,7 +15,7 @@ fn boxes(skyline: &Skyline) -> Oem {
     let grid = skyline.grid;
     let mut oem = Oem::unexplored(grid);
     for (column, row) in (0..grid.columns).flat_map(|c| (0..grid.rows).map(move |r| (c, r))) {
-        let storeys = skyline.storeys[skyline.index([column as i32, row as i32]) as usize];
+        let storeys = skyline.storeys([column as i32, row as i32]);
         if storeys > 0 {
             let state = OemCell::Occupied { height_dm: u16::from(storeys) * STOREY_DM };
             oem.join(OemDelta { cell: grid.index(column, row) as u32, state });
