@@ -179,11 +179,14 @@ pub struct Str4Config {
     pub n_mpc: u8,
     /// How many candidates are kept per block.
     pub beam: u16,
+    /// What the first look from nearby at unknown ground beside a building is worth: its area so many blocks
+    /// long.
+    pub first_look: u16,
 }
 
 impl Default for Str4Config {
     fn default() -> Self {
-        Self { n_mpc: 20, beam: 200 }
+        Self { n_mpc: 20, beam: 200, first_look: 10 }
     }
 }
 

@@ -1,7 +1,8 @@
 //! `str4`: ground counts for as long as it stays unseen.
 //!
 //! The cost of a candidate is Σ_k φ(X^Δ_k) over the blocks k = 1..N_MPC of the horizon, where (5.27)
-//! has φ(X^Δ) at its end alone: what is seen early stops growing early. The horizon is long enough to
+//! has φ(X^Δ) at its end alone: what is seen early stops growing early. First looks at buildings count
+//! more ([`super::first_looks`]). The horizon is long enough to
 //! look all around and to go and do it elsewhere, too long to try every sequence, so the search is a
 //! beam: per block the best candidates go on, at most one per place, lest the beam fill up with detours
 //! to the same spot.
@@ -12,6 +13,7 @@ use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
 
 use super::criterion::Terms;
+use super::first_looks::FirstLooks;
 use super::rollout::{Meeting, Motion};
 use super::turning::Turning;
 use super::views::{Place, Views};
@@ -26,6 +28,9 @@ const CELL_M: f64 = 4.0;
 pub(super) struct Beam {
     grid: Grid,
     views: Views,
+    first_looks: FirstLooks,
+    /// What a cell counts more when it is looked at for the first time, blocks.
+    first_look: i64,
     motion: Motion,
     meeting: Meeting,
     turning: Turning,
@@ -46,8 +51,8 @@ struct Candidate {
     /// The last yaw increment, radians, and where it leads.
     increment_rad: f64,
     pose: Pose,
-    /// Cells of X^Δ, summed over the blocks.
-    unseen: u64,
+    /// Cells of X^Δ, summed over the blocks, less what first looks are worth.
+    cost: i64,
 }
 
 impl Beam {
@@ -58,6 +63,8 @@ impl Beam {
         Self {
             grid,
             views: Views::new(grid, config),
+            first_looks: FirstLooks::new(grid, config),
+            first_look: config.guidance.str4.first_look.into(),
             motion: Motion::new(config),
             meeting: Meeting::new(config),
             turning: Turning::new(config, &increments),
@@ -79,7 +86,10 @@ impl Beam {
         self.views.load(picture.oem);
         let margin = self.coarse(picture.margin);
         let remaining = self.coarse(picture.wanted);
-        let root = Candidate { parent: 0, increment_rad: 0.0, pose: *pose, unseen: 0 };
+        if self.first_look > 0 {
+            self.first_looks.load(&remaining, &margin, self.views.skyline(), pose);
+        }
+        let root = Candidate { parent: 0, increment_rad: 0.0, pose: *pose, cost: 0 };
         let (mut beams, mut sets, mut nodes) = (vec![vec![root]], vec![remaining], 0);
         for (block, mut kept) in self.seen_by_others(pose, neighbours).into_iter().enumerate() {
             kept.union_with(&margin);
@@ -90,7 +100,7 @@ impl Beam {
             sets = best.iter().map(|child| self.after_look(child, &sets[child.parent])).collect();
             beams.push(best);
         }
-        let cost = beams[self.blocks][0].unseen as f64 * self.grid.cell_m.powi(2);
+        let cost = beams[self.blocks][0].cost as f64 * self.grid.cell_m.powi(2);
         let (increments_rad, poses) = first_of(&beams);
         Decision { increments_rad, poses, cost, terms: Terms::default(), nodes }
     }
@@ -114,6 +124,7 @@ impl Beam {
             for (pose, seen) in poses.iter().zip(&mut seen) {
                 if self.meeting.may_see_the_same(own, pose) {
                     self.views.look(pose).add_to(seen);
+                    self.first_looks.look(pose).add_to(seen);
                 }
             }
         }
@@ -143,11 +154,13 @@ impl Beam {
     fn children(&mut self, beam: &[Candidate], sets: &[Raster]) -> Vec<Candidate> {
         let mut children = Vec::with_capacity(beam.len() * self.increments.len());
         for (parent, (candidate, set)) in beam.iter().zip(sets).enumerate() {
-            let unseen = candidate.unseen + u64::from(set.count());
+            let cost = candidate.cost + i64::from(set.count());
             for (choice, &increment_rad) in self.increments.iter().enumerate() {
                 let pose = self.turning.advance(&candidate.pose, choice);
-                let unseen = unseen - u64::from(self.views.look(&pose).count_in(set));
-                children.push(Candidate { parent, increment_rad, pose, unseen });
+                let seen = i64::from(self.views.look(&pose).count_in(set));
+                let first = i64::from(self.first_looks.look(&pose).count_in(set));
+                let cost = cost - seen - self.first_look * first;
+                children.push(Candidate { parent, increment_rad, pose, cost });
             }
         }
         children
@@ -156,7 +169,7 @@ impl Beam {
     /// The candidates that go on, the best first.
     fn best(&self, mut children: Vec<Candidate>) -> Vec<Candidate> {
         // Stable: among equals those of the better parent, then of the gentler turn.
-        children.sort_by_key(|child| child.unseen);
+        children.sort_by_key(|child| child.cost);
         let mut taken = BTreeSet::new();
         children.retain(|child| {
             taken.len() < self.width && taken.insert(Place::of(&child.pose, &self.grid))
@@ -168,6 +181,7 @@ impl Beam {
     fn after_look(&mut self, candidate: &Candidate, set: &Raster) -> Raster {
         let mut set = set.clone();
         self.views.look(&candidate.pose).take_from(&mut set);
+        self.first_looks.look(&candidate.pose).take_from(&mut set);
         set
     }
 }

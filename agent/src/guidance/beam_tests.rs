@@ -14,6 +14,7 @@ fn config(n_mpc: u8, beam: u16) -> AgentConfig {
     config.guidance.criterion = Criterion::Str4;
     config.guidance.str4.n_mpc = n_mpc;
     config.guidance.str4.beam = beam;
+    config.guidance.str4.first_look = 0;
     config
 }
 
@@ -72,13 +73,23 @@ fn sets_spread_as_fast_as_targets_drive() {
     }
 }
 
-/// Σ φ(X^Δ_k) of a sequence, cells by the definition; what is seen by the camera from the middle
-/// of the nearest third cell and the nearest quarter of a degree, point by point.
-fn cost(config: &AgentConfig, scene: &Scene, poses: &[Pose], other: &[Pose]) -> f64 {
+/// Σ φ(X^Δ_k) of a sequence, cells by the definition, less what first looks count; what is seen by the
+/// camera from the middle of the nearest third cell and the nearest quarter of a degree, point by point.
+fn cost(config: &AgentConfig, scene: &Scene, start: &Pose, poses: &[Pose], other: &[Pose]) -> f64 {
     let beam = Beam::new(config, vec![]);
     let (mut remaining, margin) = (beam.coarse(&scene.wanted), beam.coarse(&scene.margin));
     let mut caster = RayCaster::new(beam.grid, config.camera.d_max_m);
     caster.load(&scene.oem);
+    let mut first_looks = FirstLooks::new(beam.grid, config);
+    if config.guidance.str4.first_look > 0 {
+        first_looks.load(&remaining, &margin, caster.skyline(), start);
+    }
+    let mut look_first = |pose: &Pose, remaining: &mut Raster| {
+        let before = remaining.area_m2();
+        first_looks.look(pose).take_from(remaining);
+        before - remaining.area_m2()
+    };
+    let first_look = f64::from(config.guidance.str4.first_look);
     let corner = beam.grid.centre(0, 0);
     let mut see = |pose: &Pose, remaining: &mut Raster| {
         let place = [0, 1].map(|i| ((pose.p_world[i] - corner[i]) / 12.0).round() * 3.0);
@@ -109,8 +120,11 @@ fn cost(config: &AgentConfig, scene: &Scene, poses: &[Pose], other: &[Pose]) -> 
         remaining = spread(&remaining);
         remaining.subtract(&margin);
         see(other, &mut remaining);
+        look_first(other, &mut remaining);
+        sum -= first_look * look_first(own, &mut remaining.clone());
         see(own, &mut remaining);
         sum += remaining.area_m2();
+        look_first(own, &mut remaining);
     }
     sum
 }
@@ -119,8 +133,9 @@ fn cost(config: &AgentConfig, scene: &Scene, poses: &[Pose], other: &[Pose]) -> 
 #[test]
 fn a_wide_beam_finds_what_brute_force_finds() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
-    for round in 0..4 {
-        let config = config(2, 1000);
+    for round in 0..8 {
+        let mut config = config(2, 1000);
+        config.guidance.str4.first_look = round % 4;
         let (scene, pose, other) = (scene(&config, &mut rng), start(&mut rng), start(&mut rng));
         let plan = Motion::new(&config).forecast(&[other], 0, 2);
         let found =
@@ -130,11 +145,11 @@ fn a_wide_beam_finds_what_brute_force_finds() {
         for (first, second) in (0..5).flat_map(|a| (0..5).map(move |b| (a, b))) {
             let one = turning.advance(&pose, first);
             let poses = [one, turning.advance(&one, second)];
-            least = least.min(cost(&config, &scene, &poses, &plan));
+            least = least.min(cost(&config, &scene, &pose, &poses, &plan));
         }
         assert_eq!(found.cost, least, "{round}");
         assert_eq!((found.poses.len(), found.nodes), (2, 30));
-        assert_eq!(found.cost, cost(&config, &scene, &found.poses, &plan), "{round}");
+        assert_eq!(found.cost, cost(&config, &scene, &pose, &found.poses, &plan), "{round}");
     }
 }
 
@@ -173,6 +188,34 @@ fn a_plan_is_a_function_of_its_arguments() {
             assert_eq!(used.plan(&scene.picture(), &pose, &other), fresh);
         }
     }
+}
+
+/// Two patches, a building on each: among equals a UAV looks at the one that nobody has looked at yet.
+#[test]
+fn unknown_buildings_attract() {
+    let mut config = config(1, 60);
+    config.guidance.increments_deg = vec![60.0, -60.0];
+    let sides = [[60.0, 160.0], [-160.0, -60.0]];
+    let patches = |sides: &[[f64; 2]]| {
+        let mut scene = Scene::new(&config);
+        sides.iter().for_each(|side| fill(&mut scene.wanted, [0.0, 100.0], *side));
+        for (column, row) in (34..44).flat_map(|c| (46..54).map(move |r| (c, r))) {
+            scene.occupy(column, row, 50);
+            scene.occupy(column, 63 - row, 50);
+        }
+        scene
+    };
+    let pose = Pose::level([0.0, 0.0, 52.0], 0.0);
+    let turned = |unknown: [f64; 2], first_look: u16| {
+        let mut config = config.clone();
+        config.guidance.str4.first_look = first_look;
+        let mut planner = Planner::new(&config);
+        planner.plan(&patches(&[unknown]).picture(), &pose, &[]);
+        let decision = planner.plan(&patches(&sides).picture(), &pose, &[]);
+        decision.increments_rad[0].to_degrees().round()
+    };
+    assert_eq!(sides.map(|unknown| turned(unknown, 0)), [60.0, 60.0], "ties");
+    assert_eq!(sides.map(|unknown| turned(unknown, 10)), [60.0, -60.0]);
 }
 
 /// Two patches, one to each side: who comes second flies to the other one.

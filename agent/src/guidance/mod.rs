@@ -8,13 +8,16 @@
 //! | [`rollout`] | prediction: poses and X^Δ, block by block |
 //! | `search` | the tree of yaw increments |
 //! | `beam` | `str4`: the best few candidates, block by block |
+//! | `first_looks` | buildings that `str4` has not seen from nearby yet |
 //! | `views` | what `str4` sees from where, remembered |
+//! | `skyline` | the buildings of the map on the cells of `str4` |
 //! | `viewshed` | what buildings hide from a cell, for `str4` |
 //! | `turning` | motion with the delay of a turn, for `str4` |
 //! | `route` | `circles` and `lawnmower`: no planning |
 //! | [`schedule`] | who plans when, and with which plans of the others |
 //!
-//! Nothing here needs a guarantee: sets are rasters. Everything is a function of its arguments.
+//! Nothing here needs a guarantee: sets are rasters. Everything is a function of its arguments, and in
+//! `str4` and `lawnmower` of those before.
 
 use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
@@ -24,12 +27,14 @@ use crate::estimate::oem::Oem;
 
 mod beam;
 pub mod criterion;
+mod first_looks;
 mod footprint;
 pub mod rollout;
 mod route;
 pub mod schedule;
 mod search;
 mod shadow;
+mod skyline;
 mod turning;
 mod views;
 mod viewshed;
@@ -66,7 +71,8 @@ pub struct Decision {
     pub increments_rad: Vec<f64>,
     /// The predicted poses at the ends of the blocks (5.35): the plan to announce.
     pub poses: Vec<Pose>,
-    /// J⁰ + κ·J² + λ·J¹, m²; in `str4` Σ φ(X^Δ) over the blocks, m². 0 when nothing was planned.
+    /// J⁰ + κ·J² + λ·J¹, m²; in `str4` Σ φ(X^Δ) over the blocks less what first
+    /// looks are worth, m². 0 when nothing was planned.
     pub cost: f64,
     /// The terms of the cost of `str1` to `str3`.
     pub terms: Terms,
@@ -85,8 +91,8 @@ enum Method {
     Route(Route),
 }
 
-/// Plans for one agent. Holds nothing between two plans but configuration and scratch memory, and
-/// for `lawnmower` the waypoint it flies to.
+/// Plans for one agent, one decision after the other. Holds nothing between two plans but configuration and
+/// scratch memory, for `str4` what was looked at, and for `lawnmower` the waypoint it flies to.
 #[derive(Debug, Clone)]
 pub struct Planner {
     grid: Grid,

@@ -13,6 +13,7 @@ use csat_proto::model::Ground;
 use csat_proto::raster::{Grid, Raster};
 
 use super::footprint::Footprint;
+use super::skyline::Skyline;
 use super::viewshed::{RayCaster, Rays, Viewshed};
 use crate::config::AgentConfig;
 use crate::estimate::oem::Oem;
@@ -26,8 +27,22 @@ const MOST: usize = 16_000;
 
 /// Where a camera is, rounded: (column, row), also outside the grid, and altitude, millimetres.
 type Eye = ([i32; 2], i32);
-/// How it looks: heading, shares of a turn, and altitude, millimetres.
-type Aim = (i32, i32);
+/// How it looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Aim {
+    /// In shares of a turn.
+    heading: i32,
+    /// Above what is looked at.
+    altitude_mm: i32,
+}
+
+impl Aim {
+    /// Above the origin.
+    fn pose(self) -> Pose {
+        let yaw_rad = f64::from(self.heading) * TAU / f64::from(HEADINGS);
+        Pose::level([0.0, 0.0, f64::from(self.altitude_mm) / 1e3], yaw_rad)
+    }
+}
 
 /// A pose, rounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -50,41 +65,59 @@ impl Place {
         Self { cell, heading, altitude_mm: (p[2] * 1e3).round() as i32 }
     }
 
-    /// In its middle.
-    pub(super) fn pose(&self, grid: &Grid) -> Pose {
-        let [x, y] = [0, 1]
-            .map(|axis| grid.origin()[axis] + (f64::from(self.cell[axis]) + 0.5) * grid.cell_m);
-        let yaw_rad = f64::from(self.heading) * TAU / f64::from(HEADINGS);
-        Pose::level([x, y, f64::from(self.altitude_mm) / 1e3], yaw_rad)
+    /// Its cell, (column, row).
+    pub(super) fn cell(&self) -> [i32; 2] {
+        self.cell
+    }
+
+    /// How one looks from there at what is so high, metres.
+    pub(super) fn aim_above(&self, height_m: f64) -> Aim {
+        let altitude_mm = self.altitude_mm - (height_m * 1e3).round() as i32;
+        Aim { heading: self.heading, altitude_mm }
     }
 }
 
-/// F for one heading.
+/// F for one heading: rows, and the columns in each, from the eye on.
 #[derive(Debug, Clone)]
-struct Outlook {
-    /// Rows, and the columns in each, from the eye on.
-    runs: Vec<(i32, Range<i32>)>,
-    /// Those that these cells take.
-    rays: Rays,
-}
+pub(super) struct Outlook(Vec<(i32, Range<i32>)>);
 
 impl Outlook {
-    /// What `camera` sees from `pose`, the middle of a cell of `cell_m`, where nothing hides it.
-    fn of(camera: &CameraModel, pose: &Pose, cell_m: f64, caster: &RayCaster) -> Self {
-        let reach = caster.reach();
+    /// What `camera` sees of a plane of cells of `cell_m`, above the middle of one of them, where nothing
+    /// hides it.
+    pub(super) fn of(camera: &CameraModel, aim: Aim, cell_m: f64) -> Self {
         // The middle of its middle cell is the origin.
-        let size_m = f64::from(2 * reach + 1) * cell_m;
-        let window = Grid::covering(&Ground { size_m: [size_m; 2] }, cell_m);
-        let above = Pose { p_world: [0.0, 0.0, pose.p_world[2]], ..*pose };
-        let footprint = Footprint::of(&camera.at(&above), &window);
-        let from_eye = |cell: u32| cell as i32 - reach;
-        let runs: Vec<(i32, Range<i32>)> = footprint
-            .rows()
-            .map(|(row, run)| (from_eye(row), from_eye(run.start)..from_eye(run.end)))
-            .collect();
-        let cells = runs.iter().flat_map(|(y, run)| run.clone().map(|x| [x, *y]));
-        let rays = caster.rays_of(cells);
-        Self { runs, rays }
+        let reach = (camera.d_max_m / cell_m).ceil();
+        let ground = Ground { size_m: [(2.0 * reach + 1.0) * cell_m; 2] };
+        let window = Grid::covering(&ground, cell_m);
+        let footprint = Footprint::of(&camera.at(&aim.pose()), &window);
+        let from_eye = |cell: u32| cell as i32 - reach as i32;
+        let row =
+            |(row, run): (u32, Range<u32>)| (from_eye(row), from_eye(run.start)..from_eye(run.end));
+        Self(footprint.rows().map(row).collect())
+    }
+
+    /// Its cells, (column, row) from the eye on.
+    fn cells(&self) -> impl Iterator<Item = [i32; 2]> + '_ {
+        self.0.iter().flat_map(|(row, run)| run.clone().map(|column| [column, *row]))
+    }
+
+    /// The words of a raster on `grid` that it has cells in when it is seen from `eye`, as (row, word of
+    /// the row, bits).
+    pub(super) fn words<'a>(
+        &'a self,
+        [x, y]: [i32; 2],
+        grid: &'a Grid,
+    ) -> impl Iterator<Item = (i32, i32, u64)> + 'a {
+        let (columns, rows) = (grid.columns as i32, 0..grid.rows as i32);
+        let inside = self.0.iter().filter(move |(row, _)| rows.contains(&(y + row)));
+        inside.flat_map(move |(row, run)| {
+            let [start, end] = [run.start, run.end].map(|column| (x + column).clamp(0, columns));
+            let words = if start < end { start / 64..(end - 1) / 64 + 1 } else { 0..0 };
+            words.map(move |word| {
+                let (low, high) = ((start - word * 64).max(0), (end - word * 64).min(64));
+                (y + row, word, (u64::MAX << low) & (u64::MAX >> (64 - high)))
+            })
+        })
     }
 }
 
@@ -93,27 +126,16 @@ impl Outlook {
 pub(super) struct View(Vec<(u32, u64)>);
 
 impl View {
-    /// F \ H^OEM on `grid`.
-    fn of(outlook: &Outlook, viewshed: &Viewshed, grid: &Grid) -> Self {
-        let ([x, y], columns) = (viewshed.eye(), grid.columns as i32);
+    pub(super) const fn nothing() -> Self {
+        Self(Vec::new())
+    }
+
+    /// The cells of `bits` in each word of a row.
+    pub(super) fn of(grid: &Grid, bits: impl Iterator<Item = (i32, i32, u64)>) -> Self {
         let words_per_row = grid.columns.div_ceil(64);
-        let mut words = Vec::new();
-        for (row, run) in &outlook.runs {
-            let row = y + row;
-            let [start, end] = [run.start, run.end].map(|column| (x + column).clamp(0, columns));
-            if start >= end || !(0..grid.rows as i32).contains(&row) {
-                continue;
-            }
-            for word in start / 64..=(end - 1) / 64 {
-                let (low, high) = ((start - word * 64).max(0), (end - word * 64).min(64));
-                let run = (u64::MAX << low) & (u64::MAX >> (64 - high));
-                let bits = viewshed.seen(row, word, run);
-                if bits != 0 {
-                    words.push((row as u32 * words_per_row + word as u32, bits));
-                }
-            }
-        }
-        Self(words)
+        let index = |row: i32, word: i32| row as u32 * words_per_row + word as u32;
+        let some = bits.filter(|&(.., bits)| bits != 0);
+        Self(some.map(|(row, word, bits)| (index(row, word), bits)).collect())
     }
 
     /// set ∪= view.
@@ -141,7 +163,8 @@ pub(super) struct Views {
     camera: CameraModel,
     grid: Grid,
     caster: RayCaster,
-    outlooks: BTreeMap<Aim, Outlook>,
+    /// With the rays that their cells take.
+    outlooks: BTreeMap<Aim, (Outlook, Rays)>,
     viewsheds: BTreeMap<Eye, Viewshed>,
     known: BTreeMap<Place, View>,
 }
@@ -168,20 +191,28 @@ impl Views {
         }
     }
 
+    /// What stands in that world.
+    pub(super) fn skyline(&self) -> &Skyline {
+        self.caster.skyline()
+    }
+
     /// F \ H^OEM at the place of `pose`.
     pub(super) fn look(&mut self, pose: &Pose) -> &View {
         let place = Place::of(pose, &self.grid);
         let Self { camera, grid, caster, outlooks, viewsheds, known } = self;
         known.entry(place).or_insert_with(|| {
-            let pose = place.pose(grid);
-            let outlook = outlooks
-                .entry((place.heading, place.altitude_mm))
-                .or_insert_with(|| Outlook::of(camera, &pose, grid.cell_m, caster));
+            let aim = place.aim_above(0.0);
+            let (outlook, rays) = outlooks.entry(aim).or_insert_with(|| {
+                let outlook = Outlook::of(camera, aim, grid.cell_m);
+                let rays = caster.rays_of(outlook.cells());
+                (outlook, rays)
+            });
             let viewshed = viewsheds
                 .entry((place.cell, place.altitude_mm))
-                .or_insert_with(|| caster.viewshed(place.cell, pose.p_world[2]));
-            caster.cast(viewshed, &outlook.rays);
-            View::of(outlook, viewshed, grid)
+                .or_insert_with(|| caster.viewshed(place.cell, aim.pose().p_world[2]));
+            caster.cast(viewshed, rays);
+            let seen = |(row, word, bits)| (row, word, viewshed.seen(row, word, bits));
+            View::of(grid, outlook.words(place.cell, grid).map(seen))
         })
     }
 }

@@ -9,78 +9,17 @@
 
 use std::ops::Range;
 
-use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::Grid;
 
+use super::skyline::{STOREY_M, Skyline};
 use crate::estimate::oem::Oem;
 
-/// Heights are rounded to multiples of this, decimetres, none of them to 0: a map that only grows more
-/// exact changes little.
-const STOREY_DM: u16 = 10;
 /// Parts of 1 that stretches are told in.
 const STRETCH: u64 = 1 << 10;
 /// A stretch beyond all reach.
 const FARTHEST: u64 = 1 << 32;
 /// The axes of the quadrants: east, north, west, south. To the left of each lies the next.
 const AXES: [[i32; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
-
-/// The buildings of a map on a planner's grid, in storeys; 0 where nothing is known to stand.
-///
-/// They are taken to reach half a cell beyond their own. A cell whose centre was seen is Empty (4.40),
-/// whatever stands in its corner: so far buildings may reach beyond the cells they occupy.
-#[derive(Debug, Clone, PartialEq)]
-struct Skyline {
-    grid: Grid,
-    /// How far eyes may be outside the grid and then look, cells. Rows have so many empty cells on both
-    /// sides: what lies beyond the end of a row is the margin of another.
-    margin: i32,
-    storeys: Vec<u8>,
-}
-
-impl Skyline {
-    /// What stands in `oem`, on `grid`.
-    fn of(oem: &Oem, grid: &Grid, margin: i32) -> Self {
-        let mut skyline = Self { grid: *grid, margin, storeys: Vec::new() };
-        skyline.storeys = vec![0; (grid.rows as i32 * skyline.stride()) as usize];
-        // Far enough to hold the centre of a cell, however large those are.
-        let reach = oem.grid().cell_m.max(0.5 * grid.cell_m);
-        for OemDelta { cell, state } in oem.known() {
-            let OemCell::Occupied { height_dm } = state else { continue };
-            let storeys = height_dm.saturating_add(STOREY_DM / 2) / STOREY_DM;
-            let storeys = storeys.clamp(1, u8::MAX.into()) as u8;
-            let [x, y] = oem.grid().centre(cell % oem.grid().columns, cell / oem.grid().columns);
-            let columns = grid.columns_between(x - reach, x + reach);
-            for row in grid.rows_between(y - reach, y + reach) {
-                for column in columns.clone() {
-                    let index = skyline.index([column as i32, row as i32]);
-                    skyline.storeys[index] = storeys.max(skyline.storeys[index]);
-                }
-            }
-        }
-        skyline
-    }
-
-    /// Cells from row to row.
-    fn stride(&self) -> i32 {
-        self.grid.columns as i32 + 2 * self.margin
-    }
-
-    /// The place of a (column, row) in `storeys`; outside it for rows outside the grid.
-    fn index(&self, [column, row]: [i32; 2]) -> usize {
-        (row * self.stride() + self.margin + column) as usize
-    }
-
-    /// Of a (column, row), also outside the grid.
-    fn storeys(&self, cell: [i32; 2]) -> u8 {
-        self.storeys.get(self.index(cell)).copied().unwrap_or(0)
-    }
-
-    /// Whether something may be seen from a (column, row).
-    fn is_in_reach_of(&self, eye: [i32; 2]) -> bool {
-        let sides = [self.grid.columns, self.grid.rows].map(|cells| cells as i32);
-        [0, 1].iter().all(|&i| (-self.margin..sides[i] + self.margin).contains(&eye[i]))
-    }
-}
 
 /// A ray of a quadrant, so many cells along its axis; in cells to the left of the axis.
 #[derive(Debug, Clone, Copy)]
@@ -110,11 +49,6 @@ pub(super) struct Viewshed {
 }
 
 impl Viewshed {
-    /// The cell of the eye, (column, row).
-    pub(super) fn eye(&self) -> [i32; 2] {
-        self.eye
-    }
-
     /// Those of `bits`, cells of one word of one row within reach, whose rays were cast, that are not
     /// hidden.
     pub(super) fn seen(&self, row: i32, word: i32, bits: u64) -> u64 {
@@ -160,14 +94,14 @@ impl RayCaster {
         }
     }
 
-    /// How far rays go, cells.
-    pub(super) fn reach(&self) -> i32 {
-        self.reach
+    /// What it casts rays in.
+    pub(super) fn skyline(&self) -> &Skyline {
+        &self.skyline
     }
 
     /// The next rays are cast in `oem`; false if it looks as before.
     pub(super) fn load(&mut self, oem: &Oem) -> bool {
-        let skyline = Skyline::of(oem, &self.skyline.grid, self.reach);
+        let skyline = Skyline::of(oem, self.skyline.grid(), self.reach);
         let is_new = skyline != self.skyline;
         self.skyline = skyline;
         is_new
@@ -227,9 +161,8 @@ impl RayCaster {
             return;
         }
         self.z_m = z_m;
-        let storey_m = f64::from(STOREY_DM) / 10.0;
         for (stretch, storeys) in self.stretch.iter_mut().zip(0..) {
-            let height = f64::from(storeys) * storey_m;
+            let height = f64::from(storeys) * STOREY_M;
             // What is as high as the eye hides all that lies behind.
             let factor = if height < z_m { z_m / (z_m - height) } else { f64::INFINITY };
             *stretch = (factor * STRETCH as f64).min(FARTHEST as f64) as u64;
@@ -241,7 +174,7 @@ impl RayCaster {
     fn cast_ray(&self, viewshed: &mut Viewshed, ray: usize) {
         let (quadrant, ray) = (ray / self.reach as usize, ray % self.reach as usize);
         let ([ahead, left], cells) = ([AXES[quadrant], AXES[(quadrant + 1) % 4]], self.reach + 1);
-        let sides = [self.skyline.grid.columns, self.skyline.grid.rows].map(|side| side as i32);
+        let sides = self.skyline.sides();
         let (eye, axis) = (viewshed.eye, quadrant % 2);
         let [steps, next] = [ray, ray + 1].map(|ray| &self.steps[ray * cells as usize..]);
         // In halves of a cell and shares of STRETCH.

@@ -1,6 +1,7 @@
 //! Viewsheds against the point by point test of the exact shadows.
 
 use csat_proto::model::Ground;
+use csat_proto::oem::{OemCell, OemDelta};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -12,12 +13,13 @@ const GROUND: Ground = Ground { size_m: [500.0, 420.0] };
 
 /// The boxes that a skyline makes of a map.
 fn boxes(skyline: &Skyline) -> Oem {
-    let grid = skyline.grid;
+    let grid = *skyline.grid();
     let mut oem = Oem::unexplored(grid);
     for (column, row) in (0..grid.columns).flat_map(|c| (0..grid.rows).map(move |r| (c, r))) {
         let storeys = skyline.storeys([column as i32, row as i32]);
         if storeys > 0 {
-            let state = OemCell::Occupied { height_dm: u16::from(storeys) * STOREY_DM };
+            let height_dm = (f64::from(storeys) * STOREY_M * 10.0) as u16;
+            let state = OemCell::Occupied { height_dm };
             oem.join(OemDelta { cell: grid.index(column, row) as u32, state });
         }
     }

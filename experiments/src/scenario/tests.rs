@@ -185,6 +185,8 @@ fn impossible_values_are_explained() {
         ("agents.speed_m_s=300.5", "300.5", "above 0 and up to 300 m/s"),
         ("camera.aperture_deg=1e-5", "0.00001", "an angle from 1 to below 180 degrees"),
         ("guidance.str4.beam=0", "0", "a whole number from 1 to 1024"),
+        ("guidance.str4.first_look=1001", "1001", "a whole number from 0 to 1000"),
+        ("guidance.str4.first_look=-1", "-1", "a whole number from 0 to 1000"),
         ("guidance.str4.beam=2000", "2000", "a whole number from 1 to 1024"),
         ("targets.v_max_m_s=-1", "-1", "a speed from 0 to 100 m/s"),
         ("targets.v_max_m_s=inf", "inf", "a speed from 0 to 100 m/s"),

@@ -38,7 +38,7 @@ const MAX_TIME_S: f64 = 1e6;
 
 /// The keys of whole numbers with what they may be: said in the same words to whoever writes 0, -1, 1.5
 /// and a million.
-const WHOLE_NUMBERS: [(&str, RangeInclusive<u64>, &str); 9] = [
+const WHOLE_NUMBERS: [(&str, RangeInclusive<u64>, &str); 10] = [
     ("agents.count", 1..=1024, "a whole number from 1 to 1024"),
     ("targets.count", 1..=1024, "a whole number from 1 to 1024"),
     ("camera.columns", 1..=65535, "a whole number from 1 to 65535"),
@@ -47,6 +47,7 @@ const WHOLE_NUMBERS: [(&str, RangeInclusive<u64>, &str); 9] = [
     ("guidance.n_mpc", 1..=6, "a whole number from 1 to 6"),
     ("guidance.str4.n_mpc", 1..=32, "a whole number from 1 to 32"),
     ("guidance.str4.beam", 1..=1024, "a whole number from 1 to 1024"),
+    ("guidance.str4.first_look", 0..=1000, "a whole number from 0 to 1000"),
     ("exchange.max_vertices", 4..=u64::MAX, "a whole number, 4 or more"),
 ];
 
@@ -346,6 +347,7 @@ fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>)
     }
     check.whole("guidance.str4.n_mpc", guidance.str4.n_mpc);
     check.whole("guidance.str4.beam", guidance.str4.beam);
+    check.whole("guidance.str4.first_look", guidance.str4.first_look);
     let increments = &guidance.increments_deg;
     let valid = increments.iter().all(|u| u.abs() <= 180.0);
     let got = if increments.is_empty() { "empty".to_owned() } else { format!("{increments:?}") };
