@@ -98,7 +98,7 @@ fn cost(config: &AgentConfig, scene: &Scene, start: &Pose, poses: &[Pose], other
         let rounded = Pose::level([x, y, pose.p_world[2]], (quarters / 4.0).to_radians());
         let camera = config.camera.at(&rounded);
         let eye = place.map(|cell| cell as i32);
-        let mut viewshed = caster.viewshed(eye, pose.p_world[2]);
+        let mut viewshed = caster.viewshed(eye, pose.p_world[2], 300.0);
         for (column, row) in remaining.clone().iter() {
             let p = remaining.grid().centre(column, row);
             let ground = nalgebra::Vector3::new(p[0], p[1], 0.0);

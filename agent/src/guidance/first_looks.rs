@@ -33,8 +33,9 @@ pub(super) struct FirstLooks {
     unknown: Raster,
     /// What was looked at once.
     once: Raster,
-    /// `unknown` beside buildings, at this decision, by the height of their roofs, metres.
-    roofs: Vec<(f64, Raster)>,
+    /// `unknown` beside buildings, at this decision, by the height of their roofs, metres; as (row, word
+    /// of the row, bits).
+    roofs: Vec<(f64, Vec<(i32, i32, u64)>)>,
     /// Of a camera so high above a roof.
     outlooks: BTreeMap<Aim, Outlook>,
     /// What is seen of `roofs`.
@@ -81,16 +82,18 @@ impl FirstLooks {
     }
 
     /// The unknown cells beside the buildings of `skyline`, the highest first.
-    fn roofs_of(&self, skyline: &Skyline) -> Vec<(f64, Raster)> {
+    fn roofs_of(&self, skyline: &Skyline) -> Vec<(f64, Vec<(i32, i32, u64)>)> {
         let (mut roofs, mut rest) = (Vec::new(), self.unknown.clone());
         for step in (0..skyline.highest().div_ceil(ROOF_STOREYS)).rev() {
             let mut beside = skyline.near(step * ROOF_STOREYS + 1, BESIDE_M);
             beside.intersect_with(&rest);
             rest.subtract(&beside);
-            if beside.count() > 0 {
-                let storeys = f64::from(step + 1) * f64::from(ROOF_STOREYS);
-                roofs.push((storeys * STOREY_M, beside));
-            }
+            let words = (0..self.grid.rows).flat_map(|row| {
+                let words = (0..).zip(beside.row(row)).filter(|(_, bits)| **bits != 0);
+                words.map(move |(word, bits)| (row as i32, word, *bits))
+            });
+            let storeys = f64::from(step + 1) * f64::from(ROOF_STOREYS);
+            roofs.push((storeys * STOREY_M, words.collect()));
         }
         roofs
     }
@@ -108,9 +111,11 @@ impl FirstLooks {
                 let aim = place.aim_above(*height_m);
                 let outlook =
                     outlooks.entry(aim).or_insert_with(|| Outlook::of(camera, aim, grid.cell_m));
-                words.extend(outlook.words(place.cell(), grid).map(|(row, word, bits)| {
-                    (row, word, bits & cells.row(row as u32)[word as usize])
-                }));
+                let eye = place.cell();
+                let seen = |&(row, word, bits): &(i32, i32, u64)| {
+                    (row, word, bits & outlook.word(eye, row, word))
+                };
+                words.extend(cells.iter().map(seen));
             }
             View::of(grid, words.into_iter())
         })

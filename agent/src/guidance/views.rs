@@ -77,9 +77,14 @@ impl Place {
     }
 }
 
-/// F for one heading: rows, and the columns in each, from the eye on.
+/// F for one heading.
 #[derive(Debug, Clone)]
-pub(super) struct Outlook(Vec<(i32, Range<i32>)>);
+pub(super) struct Outlook {
+    /// Rows, and the columns in each, from the eye on.
+    runs: Vec<(i32, Range<i32>)>,
+    /// How far it goes, whatever the heading, metres on the ground.
+    reach_m: f64,
+}
 
 impl Outlook {
     /// What `camera` sees of a plane of cells of `cell_m`, above the middle of one of them, where nothing
@@ -91,34 +96,42 @@ impl Outlook {
         let window = Grid::covering(&ground, cell_m);
         let footprint = Footprint::of(&camera.at(&aim.pose()), &window);
         let from_eye = |cell: u32| cell as i32 - reach as i32;
-        let row =
+        let run =
             |(row, run): (u32, Range<u32>)| (from_eye(row), from_eye(run.start)..from_eye(run.end));
-        Self(footprint.rows().map(row).collect())
+        let corners = footprint.corners().iter().map(|corner| corner[0].hypot(corner[1]));
+        let reach_m = corners.fold(0.0, f64::max).min(camera.d_max_m);
+        Self { runs: footprint.rows().map(run).collect(), reach_m }
     }
 
     /// Its cells, (column, row) from the eye on.
     fn cells(&self) -> impl Iterator<Item = [i32; 2]> + '_ {
-        self.0.iter().flat_map(|(row, run)| run.clone().map(|column| [column, *row]))
+        self.runs.iter().flat_map(|(row, run)| run.clone().map(|column| [column, *row]))
     }
 
     /// The words of a raster on `grid` that it has cells in when it is seen from `eye`, as (row, word of
     /// the row, bits).
-    pub(super) fn words<'a>(
-        &'a self,
-        [x, y]: [i32; 2],
-        grid: &'a Grid,
-    ) -> impl Iterator<Item = (i32, i32, u64)> + 'a {
+    fn words(&self, [x, y]: [i32; 2], grid: &Grid) -> impl Iterator<Item = (i32, i32, u64)> + '_ {
         let (columns, rows) = (grid.columns as i32, 0..grid.rows as i32);
-        let inside = self.0.iter().filter(move |(row, _)| rows.contains(&(y + row)));
+        let inside = self.runs.iter().filter(move |(row, _)| rows.contains(&(y + row)));
         inside.flat_map(move |(row, run)| {
             let [start, end] = [run.start, run.end].map(|column| (x + column).clamp(0, columns));
             let words = if start < end { start / 64..(end - 1) / 64 + 1 } else { 0..0 };
-            words.map(move |word| {
-                let (low, high) = ((start - word * 64).max(0), (end - word * 64).min(64));
-                (y + row, word, (u64::MAX << low) & (u64::MAX >> (64 - high)))
-            })
+            words.map(move |word| (y + row, word, bits_between(start, end, word)))
         })
     }
+
+    /// The bits of one of those words.
+    pub(super) fn word(&self, [x, y]: [i32; 2], row: i32, word: i32) -> u64 {
+        let first = self.runs.first().map_or(0, |(row, _)| *row);
+        let run = usize::try_from(row - y - first).ok().and_then(|index| self.runs.get(index));
+        run.map_or(0, |(_, run)| bits_between(x + run.start, x + run.end, word))
+    }
+}
+
+/// The bits of a word of a row that are in a run of columns.
+fn bits_between(start: i32, end: i32, word: i32) -> u64 {
+    let [low, high] = [start, end].map(|column| (column - word * 64).clamp(0, 64));
+    if low < high { (u64::MAX << low) & (u64::MAX >> (64 - high)) } else { 0 }
 }
 
 /// What is seen from a place: cells, as (word of a raster, bits).
@@ -207,9 +220,10 @@ impl Views {
                 let rays = caster.rays_of(outlook.cells());
                 (outlook, rays)
             });
-            let viewshed = viewsheds
-                .entry((place.cell, place.altitude_mm))
-                .or_insert_with(|| caster.viewshed(place.cell, aim.pose().p_world[2]));
+            let viewshed = viewsheds.entry((place.cell, place.altitude_mm)).or_insert_with(|| {
+                let z_m = aim.pose().p_world[2];
+                caster.viewshed(place.cell, z_m, outlook.reach_m)
+            });
             caster.cast(viewshed, rays);
             let seen = |(row, word, bits)| (row, word, viewshed.seen(row, word, bits));
             View::of(grid, outlook.words(place.cell, grid).map(seen))

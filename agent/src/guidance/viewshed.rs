@@ -39,6 +39,8 @@ pub(super) struct Viewshed {
     /// (column, row).
     eye: [i32; 2],
     z_m: f64,
+    /// How far it goes, cells.
+    reach: i32,
     /// The rays that were cast: nothing is known of the cells of others.
     cast: Rays,
     /// The south-west corner of `hidden`: its row, and its word of a row of the map.
@@ -131,13 +133,15 @@ impl RayCaster {
         vec![0; (4 * self.reach as usize).div_ceil(64)]
     }
 
-    /// What is hidden from `z_m` above the middle of a cell, (column, row): nothing, until rays are cast.
-    pub(super) fn viewshed(&self, eye: [i32; 2], z_m: f64) -> Viewshed {
-        let corner = [(eye[0] - self.reach).div_euclid(64), eye[1] - self.reach];
-        let words_per_row = (eye[0] + self.reach).div_euclid(64) - corner[0] + 1;
-        let words = words_per_row * (2 * self.reach + 1);
+    /// What is hidden from `z_m` above the middle of a cell, (column, row), within `reach_m` on the ground:
+    /// nothing, until rays are cast.
+    pub(super) fn viewshed(&self, eye: [i32; 2], z_m: f64, reach_m: f64) -> Viewshed {
+        let reach = self.reach.min((reach_m / self.skyline.grid().cell_m).ceil() as i32);
+        let corner = [(eye[0] - reach).div_euclid(64), eye[1] - reach];
+        let words_per_row = (eye[0] + reach).div_euclid(64) - corner[0] + 1;
+        let words = words_per_row * (2 * reach + 1);
         let hidden = vec![0; words as usize];
-        Viewshed { eye, z_m, cast: self.no_rays(), corner, words_per_row, hidden }
+        Viewshed { eye, z_m, reach, cast: self.no_rays(), corner, words_per_row, hidden }
     }
 
     /// Casts those of `rays` that were not.
@@ -170,20 +174,32 @@ impl RayCaster {
         self.stretch[0] = 0;
     }
 
+    /// How many cells along its axis a ray of a quadrant takes until those that take it are out of reach.
+    fn cells_within(&self, reach: i32, ray: usize) -> i32 {
+        let least = ((2 * ray as i32 + 1 - self.reach).abs() - 1).max(0);
+        let least = f64::from(least) / f64::from(self.reach);
+        (f64::from(reach) / (1.0 + least * least).sqrt()) as i32 + 1
+    }
+
     /// Finds which cells that take a ray are hidden.
     fn cast_ray(&self, viewshed: &mut Viewshed, ray: usize) {
         let (quadrant, ray) = (ray / self.reach as usize, ray % self.reach as usize);
-        let ([ahead, left], cells) = ([AXES[quadrant], AXES[(quadrant + 1) % 4]], self.reach + 1);
-        let sides = self.skyline.sides();
+        let [ahead, left] = [AXES[quadrant], AXES[(quadrant + 1) % 4]];
         let (eye, axis) = (viewshed.eye, quadrant % 2);
-        let [steps, next] = [ray, ray + 1].map(|ray| &self.steps[ray * cells as usize..]);
+        let cells = self.cells_within(viewshed.reach, ray);
+        let inside = inside(eye[axis], ahead[axis], self.skyline.sides()[axis], cells);
+        let steps = |ray: usize| &self.steps[ray * (self.reach as usize + 1)..];
+        let (steps, next) = (steps(ray), steps(ray + 1));
         // In halves of a cell and shares of STRETCH.
         let mut end = 0;
-        for cell in inside(eye[axis], ahead[axis], sides[axis], cells) {
+        for cell in inside {
             let step = steps[cell as usize];
             let at = |off: i16| [0, 1].map(|i| eye[i] + ahead[i] * cell + left[i] * i32::from(off));
             let storeys = self.skyline.storeys(at(step.passes));
-            end = end.max((2 * cell as u64 + 1) * self.stretch[usize::from(storeys)]);
+            // Mostly there is nothing.
+            if storeys > 0 {
+                end = end.max((2 * cell as u64 + 1) * self.stretch[usize::from(storeys)]);
+            }
             if 2 * cell as u64 * STRETCH < end {
                 (step.first..next[cell as usize].first).for_each(|off| viewshed.hide(at(off)));
             }

@@ -28,7 +28,7 @@ fn boxes(skyline: &Skyline) -> Oem {
 
 /// All that there is to know from `eye`.
 fn all_around(caster: &mut RayCaster, eye: [i32; 2], z_m: f64) -> Viewshed {
-    let mut viewshed = caster.viewshed(eye, z_m);
+    let mut viewshed = caster.viewshed(eye, z_m, 300.0);
     let cells = -caster.reach..=caster.reach;
     let cells = cells.clone().flat_map(|x| cells.clone().map(move |y| [x, y]));
     let rays = caster.rays_of(cells);
@@ -121,7 +121,7 @@ fn cells_take_one_ray_each() {
     caster.load(&random_oem(&mut rng, 45.0));
     let eye = [60, 50];
     let whole = all_around(&mut caster, eye, 52.0);
-    let (mut known, mut hidden) = (caster.viewshed(eye, 52.0), 0);
+    let (mut known, mut hidden) = (caster.viewshed(eye, 52.0, 300.0), 0);
     for _ in 0..500 {
         let cell = [rng.random_range(0..125), rng.random_range(0..105)];
         let rays = caster.rays_of([[cell[0] - eye[0], cell[1] - eye[1]]].into_iter());
