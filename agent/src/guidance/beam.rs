@@ -51,6 +51,7 @@ struct Candidate {
     /// The last yaw increment, radians, and where it leads.
     increment_rad: f64,
     pose: Pose,
+    place: Place,
     /// Cells of X^Δ, summed over the blocks, less what first looks are worth.
     cost: i64,
 }
@@ -89,7 +90,8 @@ impl Beam {
         if self.first_look > 0 {
             self.first_looks.load(&remaining, &margin, self.views.skyline(), pose);
         }
-        let root = Candidate { parent: 0, increment_rad: 0.0, pose: *pose, cost: 0 };
+        let place = Place::of(pose, &self.grid);
+        let root = Candidate { parent: 0, increment_rad: 0.0, pose: *pose, place, cost: 0 };
         let (mut beams, mut sets, mut nodes) = (vec![vec![root]], vec![remaining], 0);
         for (block, mut kept) in self.seen_by_others(pose, neighbours).into_iter().enumerate() {
             kept.union_with(&margin);
@@ -123,8 +125,9 @@ impl Beam {
             let poses = self.motion.forecast(plan, 0, self.blocks);
             for (pose, seen) in poses.iter().zip(&mut seen) {
                 if self.meeting.may_see_the_same(own, pose) {
-                    self.views.look(pose).add_to(seen);
-                    self.first_looks.look(pose).add_to(seen);
+                    let place = Place::of(pose, &self.grid);
+                    self.views.look(place).add_to(seen);
+                    self.first_looks.look(place).add_to(seen);
                 }
             }
         }
@@ -157,10 +160,11 @@ impl Beam {
             let cost = candidate.cost + i64::from(set.count());
             for (choice, &increment_rad) in self.increments.iter().enumerate() {
                 let pose = self.turning.advance(&candidate.pose, choice);
-                let seen = i64::from(self.views.look(&pose).count_in(set));
-                let first = i64::from(self.first_looks.look(&pose).count_in(set));
+                let place = Place::of(&pose, &self.grid);
+                let seen = i64::from(self.views.look(place).count_in(set));
+                let first = i64::from(self.first_looks.look(place).count_in(set));
                 let cost = cost - seen - self.first_look * first;
-                children.push(Candidate { parent, increment_rad, pose, cost });
+                children.push(Candidate { parent, increment_rad, pose, place, cost });
             }
         }
         children
@@ -171,17 +175,15 @@ impl Beam {
         // Stable: among equals those of the better parent, then of the gentler turn.
         children.sort_by_key(|child| child.cost);
         let mut taken = BTreeSet::new();
-        children.retain(|child| {
-            taken.len() < self.width && taken.insert(Place::of(&child.pose, &self.grid))
-        });
+        children.retain(|child| taken.len() < self.width && taken.insert(child.place));
         children
     }
 
     /// `set` after the last look of `candidate`.
     fn after_look(&mut self, candidate: &Candidate, set: &Raster) -> Raster {
         let mut set = set.clone();
-        self.views.look(&candidate.pose).take_from(&mut set);
-        self.first_looks.look(&candidate.pose).take_from(&mut set);
+        self.views.look(candidate.place).take_from(&mut set);
+        self.first_looks.look(candidate.place).take_from(&mut set);
         set
     }
 }

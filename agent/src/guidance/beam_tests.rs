@@ -86,7 +86,7 @@ fn cost(config: &AgentConfig, scene: &Scene, start: &Pose, poses: &[Pose], other
     }
     let mut look_first = |pose: &Pose, remaining: &mut Raster| {
         let before = remaining.area_m2();
-        first_looks.look(pose).take_from(remaining);
+        first_looks.look(Place::of(pose, &beam.grid)).take_from(remaining);
         before - remaining.area_m2()
     };
     let first_look = f64::from(config.guidance.str4.first_look);

@@ -74,7 +74,7 @@ impl FirstLooks {
         self.roofs = self.roofs_of(skyline);
         self.known.clear();
         let mut seen = Raster::empty(self.grid);
-        self.look(pose).add_to(&mut seen);
+        self.look(Place::of(pose, &self.grid)).add_to(&mut seen);
         let mut twice = seen.clone();
         twice.intersect_with(&self.once);
         self.unknown.subtract(&twice);
@@ -98,12 +98,11 @@ impl FirstLooks {
         roofs
     }
 
-    /// Those cells whose roofs are in the image, and near, at the place of `pose`.
-    pub(super) fn look(&mut self, pose: &Pose) -> &View {
+    /// Those cells whose roofs are in the image, and near, at `place`.
+    pub(super) fn look(&mut self, place: Place) -> &View {
         if self.roofs.is_empty() {
             return &NOTHING;
         }
-        let place = Place::of(pose, &self.grid);
         let Self { camera, grid, roofs, outlooks, known, .. } = self;
         known.entry(place).or_insert_with(|| {
             let mut words = Vec::new();

@@ -31,7 +31,7 @@ fn town(seed: u64) -> RayCaster {
 
 fn seen(looks: &mut FirstLooks, pose: &Pose) -> Raster {
     let mut seen = Raster::empty(grid());
-    looks.look(pose).add_to(&mut seen);
+    looks.look(Place::of(pose, &grid())).add_to(&mut seen);
     seen
 }
 

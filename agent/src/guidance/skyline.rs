@@ -26,7 +26,7 @@ impl Skyline {
     /// What stands in `oem`, on `grid`.
     pub(super) fn of(oem: &Oem, grid: &Grid, margin: i32) -> Self {
         let mut skyline = Self { grid: *grid, margin, storeys: Vec::new() };
-        skyline.storeys = vec![0; (grid.rows as i32 * skyline.stride()) as usize];
+        skyline.storeys = vec![0; (grid.rows as i32 * skyline.layout().stride) as usize];
         // Far enough to hold the centre of a cell, however large those are.
         let reach = oem.grid().cell_m.max(0.5 * grid.cell_m);
         for OemDelta { cell, state } in oem.known() {
@@ -37,7 +37,7 @@ impl Skyline {
             let columns = grid.columns_between(x - reach, x + reach);
             for row in grid.rows_between(y - reach, y + reach) {
                 for column in columns.clone() {
-                    let index = skyline.index([column as i32, row as i32]);
+                    let index = skyline.layout().index([column as i32, row as i32]) as usize;
                     skyline.storeys[index] = storeys.max(skyline.storeys[index]);
                 }
             }
@@ -54,20 +54,21 @@ impl Skyline {
         [self.grid.columns, self.grid.rows].map(|cells| cells as i32)
     }
 
-    /// Cells from row to row.
-    fn stride(&self) -> i32 {
-        self.grid.columns as i32 + 2 * self.margin
-    }
-
-    /// The place of a (column, row) in `storeys`; outside it for rows outside the grid.
-    fn index(&self, [column, row]: [i32; 2]) -> usize {
-        (row * self.stride() + self.margin + column) as usize
+    /// Where cells are in `storeys`; outside it for rows outside the grid.
+    pub(super) fn layout(&self) -> Layout {
+        let stride = self.grid.columns as i32 + 2 * self.margin;
+        Layout { stride, origin: self.margin }
     }
 
     /// Of a (column, row), also outside the grid.
-    #[inline]
     pub(super) fn storeys(&self, cell: [i32; 2]) -> u8 {
-        self.storeys.get(self.index(cell)).copied().unwrap_or(0)
+        self.storeys_at(self.layout().index(cell))
+    }
+
+    /// Of the cell with that index.
+    #[inline]
+    pub(super) fn storeys_at(&self, index: i32) -> u8 {
+        self.storeys.get(index as usize).copied().unwrap_or(0)
     }
 
     /// The cells whose centres are at most `distance_m` from something of so many storeys or more.
@@ -89,5 +90,41 @@ impl Skyline {
     pub(super) fn is_in_reach_of(&self, eye: [i32; 2]) -> bool {
         let sides = self.sides();
         [0, 1].iter().all(|&i| (-self.margin..sides[i] + self.margin).contains(&eye[i]))
+    }
+}
+
+/// Where the cells of a raster are in memory.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layout {
+    /// From row to row.
+    pub(super) stride: i32,
+    /// Of column 0 in row 0.
+    pub(super) origin: i32,
+}
+
+impl Layout {
+    /// The index of a (column, row).
+    pub(super) fn index(&self, [column, row]: [i32; 2]) -> i32 {
+        row * self.stride + column + self.origin
+    }
+
+    /// The cells so far along two axes from `from`.
+    pub(super) fn walk(&self, from: [i32; 2], axes: [[i32; 2]; 2]) -> Walk {
+        Walk { from: self.index(from), strides: axes.map(|[x, y]| y * self.stride + x) }
+    }
+}
+
+/// Cells of a raster as they are seen from one of them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Walk {
+    from: i32,
+    strides: [i32; 2],
+}
+
+impl Walk {
+    /// The index of the cell so far along the first axis and the second.
+    #[inline]
+    pub(super) fn index(&self, first: i32, second: i16) -> i32 {
+        self.from + first * self.strides[0] + i32::from(second) * self.strides[1]
     }
 }

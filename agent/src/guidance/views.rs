@@ -4,6 +4,7 @@
 //! Places are every third cell, a fraction of a footprint, so that near poses share a view. What is
 //! hidden from a place is found once for all headings, and where a heading looks once for all places.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -45,7 +46,7 @@ impl Aim {
 }
 
 /// A pose, rounded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Place {
     cell: [i32; 2],
     heading: i32,
@@ -65,6 +66,13 @@ impl Place {
         Self { cell, heading, altitude_mm: (p[2] * 1e3).round() as i32 }
     }
 
+    /// All of it.
+    fn key(&self) -> u128 {
+        let Self { cell: [column, row], heading, altitude_mm } = *self;
+        let parts = [column, row, heading, altitude_mm].map(|part| u128::from(part as u32));
+        parts.iter().fold(0, |key, part| key << 32 | part)
+    }
+
     /// Its cell, (column, row).
     pub(super) fn cell(&self) -> [i32; 2] {
         self.cell
@@ -74,6 +82,20 @@ impl Place {
     pub(super) fn aim_above(&self, height_m: f64) -> Aim {
         let altitude_mm = self.altitude_mm - (height_m * 1e3).round() as i32;
         Aim { heading: self.heading, altitude_mm }
+    }
+}
+
+impl Ord for Place {
+    /// One comparison: the search looks places up more than anything else.
+    #[inline]
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.key().cmp(&other.key())
+    }
+}
+
+impl PartialOrd for Place {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
     }
 }
 
@@ -148,7 +170,11 @@ impl View {
         let words_per_row = grid.columns.div_ceil(64);
         let index = |row: i32, word: i32| row as u32 * words_per_row + word as u32;
         let some = bits.filter(|&(.., bits)| bits != 0);
-        Self(some.map(|(row, word, bits)| (index(row, word), bits)).collect())
+        // Most views need no more.
+        let mut words = Vec::with_capacity(128);
+        words.extend(some.map(|(row, word, bits)| (index(row, word), bits)));
+        words.shrink_to_fit();
+        Self(words)
     }
 
     /// set ∪= view.
@@ -209,9 +235,8 @@ impl Views {
         self.caster.skyline()
     }
 
-    /// F \ H^OEM at the place of `pose`.
-    pub(super) fn look(&mut self, pose: &Pose) -> &View {
-        let place = Place::of(pose, &self.grid);
+    /// F \ H^OEM at `place`.
+    pub(super) fn look(&mut self, place: Place) -> &View {
         let Self { camera, grid, caster, outlooks, viewsheds, known } = self;
         known.entry(place).or_insert_with(|| {
             let aim = place.aim_above(0.0);

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use csat_proto::raster::Grid;
 
-use super::skyline::{STOREY_M, Skyline};
+use super::skyline::{Layout, STOREY_M, Skyline};
 use crate::estimate::oem::Oem;
 
 /// Parts of 1 that stretches are told in.
@@ -58,10 +58,14 @@ impl Viewshed {
         bits & !self.hidden[index as usize]
     }
 
-    fn hide(&mut self, [column, row]: [i32; 2]) {
-        let column = column - 64 * self.corner[0];
-        let index = (row - self.corner[1]) * self.words_per_row + column / 64;
-        self.hidden[index as usize] |= 1 << (column % 64);
+    /// Where the bits of `hidden` are.
+    fn layout(&self) -> Layout {
+        let stride = 64 * self.words_per_row;
+        Layout { stride, origin: -self.corner[1] * stride - 64 * self.corner[0] }
+    }
+
+    fn hide(&mut self, bit: i32) {
+        self.hidden[bit as usize / 64] |= 1 << (bit % 64);
     }
 }
 
@@ -184,24 +188,26 @@ impl RayCaster {
     /// Finds which cells that take a ray are hidden.
     fn cast_ray(&self, viewshed: &mut Viewshed, ray: usize) {
         let (quadrant, ray) = (ray / self.reach as usize, ray % self.reach as usize);
-        let [ahead, left] = [AXES[quadrant], AXES[(quadrant + 1) % 4]];
+        let axes = [AXES[quadrant], AXES[(quadrant + 1) % 4]];
         let (eye, axis) = (viewshed.eye, quadrant % 2);
         let cells = self.cells_within(viewshed.reach, ray);
-        let inside = inside(eye[axis], ahead[axis], self.skyline.sides()[axis], cells);
+        let inside = inside(eye[axis], axes[0][axis], self.skyline.sides()[axis], cells);
         let steps = |ray: usize| &self.steps[ray * (self.reach as usize + 1)..];
         let (steps, next) = (steps(ray), steps(ray + 1));
+        let at = self.skyline.layout().walk(eye, axes);
+        let hidden_at = viewshed.layout().walk(eye, axes);
         // In halves of a cell and shares of STRETCH.
         let mut end = 0;
         for cell in inside {
             let step = steps[cell as usize];
-            let at = |off: i16| [0, 1].map(|i| eye[i] + ahead[i] * cell + left[i] * i32::from(off));
-            let storeys = self.skyline.storeys(at(step.passes));
+            let storeys = self.skyline.storeys_at(at.index(cell, step.passes));
             // Mostly there is nothing.
             if storeys > 0 {
                 end = end.max((2 * cell as u64 + 1) * self.stretch[usize::from(storeys)]);
             }
             if 2 * cell as u64 * STRETCH < end {
-                (step.first..next[cell as usize].first).for_each(|off| viewshed.hide(at(off)));
+                let cells = step.first..next[cell as usize].first;
+                cells.for_each(|off| viewshed.hide(hidden_at.index(cell, off)));
             }
         }
     }
