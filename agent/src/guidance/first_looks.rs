@@ -11,7 +11,7 @@ use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::raster::{Grid, Raster};
 
 use super::skyline::{STOREY_M, Skyline};
-use super::views::{Aim, Outlook, Place, View};
+use super::views::{Aim, Bits, Outlook, Place, View};
 use crate::config::AgentConfig;
 
 /// X° is what is sure to be nearer than the obstacle distance. Depth errors of so much of it leave little.
@@ -33,9 +33,8 @@ pub(super) struct FirstLooks {
     unknown: Raster,
     /// What was looked at once.
     once: Raster,
-    /// `unknown` beside buildings, at this decision, by the height of their roofs, metres; as (row, word
-    /// of the row, bits).
-    roofs: Vec<(f64, Vec<(i32, i32, u64)>)>,
+    /// `unknown` beside buildings, at this decision, by the height of their roofs, metres.
+    roofs: Vec<(f64, Vec<Bits>)>,
     /// Of a camera so high above a roof.
     outlooks: BTreeMap<Aim, Outlook>,
     /// What is seen of `roofs`.
@@ -82,7 +81,7 @@ impl FirstLooks {
     }
 
     /// The unknown cells beside the buildings of `skyline`, the highest first.
-    fn roofs_of(&self, skyline: &Skyline) -> Vec<(f64, Vec<(i32, i32, u64)>)> {
+    fn roofs_of(&self, skyline: &Skyline) -> Vec<(f64, Vec<Bits>)> {
         let (mut roofs, mut rest) = (Vec::new(), self.unknown.clone());
         for step in (0..skyline.highest().div_ceil(ROOF_STOREYS)).rev() {
             let mut beside = skyline.near(step * ROOF_STOREYS + 1, BESIDE_M);
@@ -111,9 +110,8 @@ impl FirstLooks {
                 let outlook =
                     outlooks.entry(aim).or_insert_with(|| Outlook::of(camera, aim, grid.cell_m));
                 let eye = place.cell();
-                let seen = |&(row, word, bits): &(i32, i32, u64)| {
-                    (row, word, bits & outlook.word(eye, row, word))
-                };
+                let seen =
+                    |&(row, word, bits): &Bits| (row, word, bits & outlook.word(eye, row, word));
                 words.extend(cells.iter().map(seen));
             }
             View::of(grid, words.into_iter())

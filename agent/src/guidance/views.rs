@@ -99,6 +99,9 @@ impl PartialOrd for Place {
     }
 }
 
+/// Cells of a raster: row, word of the row, bits of the word.
+pub(super) type Bits = (i32, i32, u64);
+
 /// F for one heading.
 #[derive(Debug, Clone)]
 pub(super) struct Outlook {
@@ -130,9 +133,8 @@ impl Outlook {
         self.runs.iter().flat_map(|(row, run)| run.clone().map(|column| [column, *row]))
     }
 
-    /// The words of a raster on `grid` that it has cells in when it is seen from `eye`, as (row, word of
-    /// the row, bits).
-    fn words(&self, [x, y]: [i32; 2], grid: &Grid) -> impl Iterator<Item = (i32, i32, u64)> + '_ {
+    /// Its cells on `grid` when it is seen from `eye`.
+    fn words(&self, [x, y]: [i32; 2], grid: &Grid) -> impl Iterator<Item = Bits> + '_ {
         let (columns, rows) = (grid.columns as i32, 0..grid.rows as i32);
         let inside = self.runs.iter().filter(move |(row, _)| rows.contains(&(y + row)));
         inside.flat_map(move |(row, run)| {
@@ -142,7 +144,7 @@ impl Outlook {
         })
     }
 
-    /// The bits of one of those words.
+    /// Those of them in one word of a row.
     pub(super) fn word(&self, [x, y]: [i32; 2], row: i32, word: i32) -> u64 {
         let first = self.runs.first().map_or(0, |(row, _)| *row);
         let run = usize::try_from(row - y - first).ok().and_then(|index| self.runs.get(index));
@@ -165,8 +167,8 @@ impl View {
         Self(Vec::new())
     }
 
-    /// The cells of `bits` in each word of a row.
-    pub(super) fn of(grid: &Grid, bits: impl Iterator<Item = (i32, i32, u64)>) -> Self {
+    /// The cells of `bits`.
+    pub(super) fn of(grid: &Grid, bits: impl Iterator<Item = Bits>) -> Self {
         let words_per_row = grid.columns.div_ceil(64);
         let index = |row: i32, word: i32| row as u32 * words_per_row + word as u32;
         let some = bits.filter(|&(.., bits)| bits != 0);
