@@ -293,6 +293,7 @@ impl SetMembershipAgent {
                 neighbours_hidden_now: &neighbours_hidden_now,
                 hidden_recent: &coarse.hidden_recently,
                 oem: &self.knowledge.oem,
+                looks: Some(self.knowledge.looks()),
             };
             let pose = Pose { yaw_rad, ..self.pose };
             self.planner.plan(&picture, &pose, &pass.poses)

@@ -215,6 +215,7 @@ impl Lab {
             neighbours_hidden_now: &[],
             hidden_recent: &hidden_recent,
             oem: &self.oem,
+            looks: None,
         };
         let poses = self.world.poses();
         let mut turns = vec![0.0; poses.len()];

@@ -8,6 +8,7 @@ use csat_proto::raster::Raster;
 use super::oem::BlockHashes;
 use super::state::Knowledge;
 use crate::commons::Identity;
+use crate::guidance::Looks;
 
 /// Knowledge that does not change any more, and what follows from it, found when first asked for.
 #[derive(Debug)]
@@ -17,6 +18,7 @@ pub struct Settled {
     lineage: Identity,
     unexplored_cells: OnceLock<Raster>,
     coarse: OnceLock<Coarse>,
+    looks: Looks,
     block_hashes: OnceLock<BlockHashes>,
     digest: OnceLock<u64>,
 }
@@ -56,6 +58,7 @@ impl Settled {
             lineage,
             unexplored_cells: OnceLock::new(),
             coarse: OnceLock::new(),
+            looks: Looks::default(),
             block_hashes: OnceLock::new(),
             digest: OnceLock::new(),
         }
@@ -76,6 +79,11 @@ impl Settled {
     /// The planner's sets as rasters.
     pub fn coarse(&self) -> &Coarse {
         self.coarse.get_or_init(|| Coarse::of(&self.knowledge, self.unexplored_cells().clone()))
+    }
+
+    /// What is seen from where in the world of its map, by the criterion of all who know this.
+    pub fn looks(&self) -> &Looks {
+        &self.looks
     }
 
     /// A hash of each block of its map.

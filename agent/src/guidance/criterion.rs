@@ -5,6 +5,7 @@ use csat_proto::raster::{Grid, Raster};
 
 use super::footprint::Footprint;
 use super::shadow::{Caster, Towers, hides_point};
+use super::views::View;
 use crate::config::{AgentConfig, Criterion};
 use crate::estimate::oem::Oem;
 
@@ -125,6 +126,19 @@ impl Sight {
             Occlusion::Now => hidden_now.map_or(bits, |hidden| bits & !hidden.row(row)[word]),
             Occlusion::Oem => bits & !self.caster.hidden_bits(row, word, bits),
         }
+    }
+
+    /// All that is seen from a pose. `hidden_now` is as for [`Self::seen`].
+    pub(super) fn view(&mut self, pose: &Pose, hidden_now: Option<&Raster>) -> View {
+        let footprint = self.look(pose);
+        let seen =
+            |(row, word, bits)| (row as i32, word as i32, self.seen(hidden_now, row, word, bits));
+        View::of(&self.grid, footprint.words().map(seen))
+    }
+
+    /// Whether what is seen from a pose follows from the map, for whomever.
+    pub(super) fn goes_by_map(&self) -> bool {
+        self.occlusion == Occlusion::Oem
     }
 
     /// H^OEM(x^u) ∩ F(x^u) ∩ X_g (§4.6.4), whatever the criterion.

@@ -5,6 +5,7 @@
 //! | `footprint` | F(x^u) ∩ X_g, a run of cells per row |
 //! | `shadow` | H^OEM(x^u), what the boxes of the OEM would hide |
 //! | [`criterion`] | what a criterion counts as seen, and its cost |
+//! | `looks` | what neighbours would see, found once for all agents that know the same |
 //! | [`rollout`] | prediction: poses and X^Δ, block by block |
 //! | `search` | the tree of yaw increments |
 //! | `beam` | `str4`: the best few candidates, block by block |
@@ -29,6 +30,7 @@ mod beam;
 pub mod criterion;
 mod first_looks;
 mod footprint;
+mod looks;
 pub mod rollout;
 mod route;
 pub mod schedule;
@@ -41,6 +43,7 @@ mod viewshed;
 
 use beam::Beam;
 use criterion::{Sight, Terms, Weights};
+pub use looks::Looks;
 use rollout::{Level, Meeting, Motion, Surroundings};
 use route::Route;
 use search::Search;
@@ -62,6 +65,8 @@ pub struct Picture<'a> {
     pub hidden_recent: &'a Raster,
     /// M; only `str3` and `str4` read it.
     pub oem: &'a Oem,
+    /// What others saw in the world of `oem` from where neighbours will be; only `str3` reads it.
+    pub looks: Option<&'a Looks>,
 }
 
 /// What to fly, and why.
@@ -217,7 +222,10 @@ impl Planner {
             let poses = self.motion.forecast(plan, 0, blocks);
             for (pose, seen) in poses.iter().zip(&mut self.seen_by_others) {
                 if self.meeting.may_see_the_same(own, pose) {
-                    rollout::add_seen(&mut self.sight, pose, hidden_now, seen);
+                    match picture.looks.filter(|_| self.sight.goes_by_map()) {
+                        Some(looks) => looks.add(pose, || self.sight.view(pose, None), seen),
+                        None => self.sight.view(pose, hidden_now).add_to(seen),
+                    }
                 }
             }
         }

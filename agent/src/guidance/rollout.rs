@@ -4,8 +4,6 @@
 use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
 
-use super::criterion::Sight;
-use super::footprint::Footprint;
 use crate::config::AgentConfig;
 
 /// The guidance model of motion (5.35).
@@ -112,19 +110,6 @@ impl Level {
         }
         self.base_cells = self.base.count();
         self.base_hidden = self.base.count_common(around.hidden_recent);
-    }
-}
-
-/// Adds what is seen from `pose` to `seen`, one raster per block for all neighbours.
-pub(super) fn add_seen(
-    sight: &mut Sight,
-    pose: &Pose,
-    hidden_now: Option<&Raster>,
-    seen: &mut Raster,
-) {
-    let footprint: Footprint = sight.look(pose);
-    for (row, word, bits) in footprint.words() {
-        seen.row_mut(row)[word] |= sight.seen(hidden_now, row, word, bits);
     }
 }
 

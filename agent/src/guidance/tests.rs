@@ -61,6 +61,7 @@ impl Scene {
             neighbours_hidden_now: &[],
             hidden_recent: &self.hidden_recent,
             oem: &self.oem,
+            looks: None,
         }
     }
 
@@ -150,6 +151,29 @@ fn neighbours_repel() {
         assert_eq!(turn(&first), LEFT);
         assert_eq!(first_turn(&config, &scene, &[first.poses]), RIGHT, "{criterion:?}");
         assert_eq!(first_turn(&config, &scene, &[vec![]]), LEFT, "a neighbour without a plan");
+    }
+}
+
+/// Agents that know the same decide the same, whether or not they look together.
+#[test]
+fn shared_looks_change_nothing_and_save_looking_twice() {
+    for criterion in CRITERIA {
+        let config = left_or_right(criterion, 1.0);
+        let mut scene = both_sides(&config);
+        (45..90).for_each(|column| scene.occupy(column, 61, 400));
+        let looks = Looks::default();
+        let together = Picture { looks: Some(&looks), ..scene.picture() };
+        let first = Planner::new(&config).plan(&together, &middle(), &[]).poses;
+        let second = vec![Pose { yaw_rad: -0.4, ..first[0] }];
+        for (plans, poses_looked_from) in
+            [(vec![first.clone()], 1), (vec![first.clone()], 1), (vec![first, second], 2)]
+        {
+            let alone = Planner::new(&config).plan(&scene.picture(), &middle(), &plans);
+            let shared = Planner::new(&config).plan(&together, &middle(), &plans);
+            assert_eq!(format!("{alone:?}"), format!("{shared:?}"), "{criterion:?}");
+            let expected = if criterion == Criterion::Str3 { poses_looked_from } else { 0 };
+            assert_eq!(looks.poses(), expected, "{criterion:?}");
+        }
     }
 }
 

@@ -59,6 +59,7 @@ fn decide(planner: &mut Planner, moment: &Moment) -> Decision {
         neighbours_hidden_now: &neighbours_hidden_now,
         hidden_recent: &coarse.hidden_recently,
         oem: &knowledge.oem,
+        looks: None,
     };
     planner.plan(&picture, &moment.frame.pose, &moment.plans)
 }
