@@ -11,6 +11,7 @@ use nalgebra::Vector3;
 
 use super::exclusion::{centre_of_bounds, disc_intersection};
 use super::foot;
+use super::glance::{Glancer, Glances, TOGETHER, differ};
 use super::pyramid::{ground_corners, top_m};
 use crate::config::AgentConfig;
 use crate::region::Inner;
@@ -56,7 +57,28 @@ struct Pixel {
     ray: Vector3<f64>,
 }
 
+/// An Obstacle pixel at a glance: see [`Glances`].
+#[derive(Debug, Clone, Copy)]
+struct Hint {
+    column: u16,
+    row: u16,
+    grade: f32,
+    middle: i32,
+    far_end: i32,
+    top_dm: f32,
+    reach_squared: f32,
+}
+
 impl Pixel {
+    fn at(view: &CameraView, frame: &Frame, column: u16, row: u16) -> Self {
+        let model = view.model();
+        let first = view.ray_world(0.5, f64::from(row) + 0.5);
+        let ray = first + view.ray_matrix().column(0) * f64::from(column);
+        let index = usize::from(row) * usize::from(model.columns) + usize::from(column);
+        let depth_m = model.depth_interval_m(frame.depth[index]);
+        Self { column, row, depth_m, ray: ray / ray.norm() }
+    }
+
     /// The square of how far from the camera, over the ground, its far end is, m².
     fn reach_squared(&self) -> f64 {
         (self.ray.x * self.ray.x + self.ray.y * self.ray.y) * self.depth_m[1].powi(2)
@@ -88,13 +110,19 @@ impl MarginSensor {
     ) -> ObstacleFindings {
         let mut rings: Vec<Ring> = Vec::new();
         let mut raised: BTreeSet<usize> = BTreeSet::new();
-        let mut walls = Walls::new(view.model().columns);
-        for_each_obstacle_pixel(view, frame, |pixel| {
-            rings.extend(self.margin_of(view, pixel));
-            raised.extend(self.raise_cell(view, pixel));
-            walls.visit(pixel);
+        let mut walls = Walls::new(view, frame);
+        let glancer = Glancer::new(view, self.radius_m, GRADES, [&self.grid, &self.oem_grid]);
+        for_each_obstacle_pixel(view, frame, &glancer, |hint| {
+            let pixel = || Pixel::at(view, frame, hint.column, hint.row);
+            if self.may_improve(hint) {
+                rings.extend(self.margin_of(view, &pixel()));
+            }
+            if self.may_raise(hint) {
+                raised.extend(self.raise_cell(view, &pixel()));
+            }
+            walls.visit(hint);
         });
-        rings.extend(walls.found().filter_map(|pixel| self.margin_at_foot(view, frame, pixel)));
+        rings.extend(walls.found().filter_map(|pixel| self.margin_at_foot(view, frame, &pixel)));
         let margin =
             if rings.is_empty() { Inner::default() } else { Inner::from_rings(&rings, ground) };
         let delta = |cell: usize| {
@@ -102,6 +130,18 @@ impl MarginSensor {
             OemDelta { cell: cell as u32, state }
         };
         ObstacleFindings { margin, occupied: raised.into_iter().map(delta).collect() }
+    }
+
+    /// Whether [`Self::margin_of`] a pixel may find something.
+    fn may_improve(&self, hint: &Hint) -> bool {
+        let best = || usize::try_from(hint.middle).map_or(0, |cell| self.best_grade[cell]);
+        hint.grade >= LEAST_GRADE as f32 && hint.grade >= f32::from(best()) + 1.0
+    }
+
+    /// Whether [`Self::raise_cell`] may raise one for a pixel.
+    fn may_raise(&self, hint: &Hint) -> bool {
+        let height_dm = |cell: usize| f32::from(self.height_dm[cell]);
+        usize::try_from(hint.far_end).map_or(true, |cell| hint.top_dm > height_dm(cell))
     }
 
     /// S°(pixel) (4.7): within r_s^to of every point that may have lit the pixel. `None` when it is
@@ -171,33 +211,58 @@ impl MarginSensor {
 
 /// The pixels that say best where walls are: of each unbroken run of Obstacle pixels in a column of
 /// the image, the one whose far end is nearest.
-struct Walls {
-    /// The run at hand in each column: its last row, and the pixel.
-    runs: Vec<Option<(u16, Pixel)>>,
-    ended: Vec<Pixel>,
+struct Walls<'a> {
+    view: &'a CameraView,
+    frame: &'a Frame,
+    /// The run at hand in each column.
+    runs: Vec<Option<Run>>,
+    /// Those that ended, with their columns.
+    ended: Vec<(u16, Run)>,
 }
 
-impl Walls {
-    fn new(columns: u16) -> Self {
-        Self { runs: vec![None; usize::from(columns)], ended: Vec::new() }
+/// An unbroken run of Obstacle pixels in a column.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    last_row: u16,
+    nearest_row: u16,
+    /// Of the nearest, at a glance.
+    reach_squared: f32,
+}
+
+impl<'a> Walls<'a> {
+    fn new(view: &'a CameraView, frame: &'a Frame) -> Self {
+        let runs = vec![None; usize::from(view.model().columns)];
+        Self { view, frame, runs, ended: Vec::new() }
     }
 
     /// Takes the next pixel, in the order of rows.
-    fn visit(&mut self, pixel: &Pixel) {
-        match &mut self.runs[usize::from(pixel.column)] {
-            Some((last, nearest)) if *last + 1 == pixel.row => {
-                *last = pixel.row;
-                if pixel.reach_squared() < nearest.reach_squared() {
-                    *nearest = *pixel;
+    fn visit(&mut self, hint: &Hint) {
+        let &Hint { column, row, reach_squared, .. } = hint;
+        match &mut self.runs[usize::from(column)] {
+            Some(run) if run.last_row + 1 == row => {
+                run.last_row = row;
+                let is_nearer = if differ(reach_squared, run.reach_squared) {
+                    reach_squared < run.reach_squared
+                } else {
+                    let reach = |row| Pixel::at(self.view, self.frame, column, row).reach_squared();
+                    reach(row) < reach(run.nearest_row)
+                };
+                if is_nearer {
+                    (run.nearest_row, run.reach_squared) = (row, reach_squared);
                 }
             }
-            run => self.ended.extend(run.replace((pixel.row, *pixel)).map(|(_, nearest)| nearest)),
+            run => {
+                let next = Run { last_row: row, nearest_row: row, reach_squared };
+                self.ended.extend(run.replace(next).map(|run| (column, run)));
+            }
         }
     }
 
     /// The pixels of all runs.
-    fn found(&self) -> impl Iterator<Item = &Pixel> {
-        self.ended.iter().chain(self.runs.iter().flatten().map(|(_, nearest)| nearest))
+    fn found(&self) -> impl Iterator<Item = Pixel> {
+        let last = (0..).zip(&self.runs).filter_map(|(column, run)| Some((column, (*run)?)));
+        let all = self.ended.iter().copied().chain(last);
+        all.map(|(column, run)| Pixel::at(self.view, self.frame, column, run.nearest_row))
     }
 }
 
@@ -208,19 +273,41 @@ fn span(points: &[[f64; 2]]) -> Option<([f64; 2], f64)> {
     Some((centre, points.iter().map(gap).fold(0.0, f64::max)))
 }
 
-fn for_each_obstacle_pixel(view: &CameraView, frame: &Frame, mut visit: impl FnMut(&Pixel)) {
+/// Visits the Obstacle pixels, row by row, at a glance.
+fn for_each_obstacle_pixel(
+    view: &CameraView,
+    frame: &Frame,
+    glancer: &Glancer,
+    mut visit: impl FnMut(&Hint),
+) {
     let model = view.model();
-    let matrix = view.ray_matrix();
-    let step = matrix.column(0);
-    let rows = frame.labels.chunks_exact(usize::from(model.columns));
-    for (row, labels) in (0..model.rows).zip(rows) {
-        let first = view.ray_world(0.5, f64::from(row) + 0.5);
-        let start = usize::from(row) * usize::from(model.columns);
-        for (column, label) in (0..model.columns).zip(labels) {
-            if *label == Label::Obstacle {
-                let ray = first + step * f64::from(column);
-                let depth_m = model.depth_interval_m(frame.depth[start + usize::from(column)]);
-                visit(&Pixel { column, row, depth_m, ray: ray / ray.norm() });
+    let columns = usize::from(model.columns);
+    let step: Vector3<f64> = view.ray_matrix().column(0).into();
+    let rows = frame.labels.chunks_exact(columns).zip(frame.depth.chunks_exact(columns));
+    for (row, (labels, depth)) in (0..model.rows).zip(rows) {
+        let parts = labels.chunks(TOGETHER).zip(depth.chunks(TOGETHER));
+        for ((labels, depth), start) in parts.zip((0..model.columns).step_by(TOGETHER)) {
+            // All of them: quicker than to stop at the first.
+            if !labels.iter().fold(false, |any, label| any | (*label == Label::Obstacle)) {
+                continue;
+            }
+            let first = view.ray_world(f64::from(start) + 0.5, f64::from(row) + 0.5);
+            let mut depths = [0; TOGETHER];
+            depths[..depth.len()].copy_from_slice(depth);
+            let Glances { grade, middle, far_end, top_dm, reach_squared } =
+                glancer.glance(&first, &step, &depths);
+            for (lane, label) in labels.iter().enumerate() {
+                if *label == Label::Obstacle {
+                    visit(&Hint {
+                        column: start + lane as u16,
+                        row,
+                        grade: grade[lane],
+                        middle: middle[lane],
+                        far_end: far_end[lane],
+                        top_dm: top_dm[lane],
+                        reach_squared: reach_squared[lane],
+                    });
+                }
             }
         }
     }
