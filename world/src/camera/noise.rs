@@ -67,18 +67,22 @@ pub(super) fn measure(
             *steps = quantised(rho_m * (offset + scale * draw), step_m);
         }
         for ((label, depth), steps) in line.iter_mut().zip(&mut depth[start..]).zip(&steps) {
-            match u16::try_from(*steps) {
-                Ok(quantised) if *label != Label::Unknown => *depth = quantised,
-                _ => *label = Label::Unknown,
-            }
+            let is_measured = (*steps <= i32::from(u16::MAX)) & (*label != Label::Unknown);
+            *depth = if is_measured { *steps as u16 } else { 0 };
+            *label = if is_measured { *label } else { Label::Unknown };
         }
     }
     depth
 }
 
-/// [`CameraModel::quantise_depth`] without its call per pixel; more than `u16::MAX` beyond d_max.
+/// [`CameraModel::quantise_depth`] in instructions that take many pixels at once; 65536 beyond d_max.
 fn quantised(depth_m: f64, step_m: f64) -> i32 {
-    (depth_m / step_m + 0.5).min(65536.0) as i32
+    // About here numbers are one apart, and their last bits count from here on.
+    const HERE: f64 = 1.5 * (1u64 << 52) as f64;
+    let steps = (depth_m / step_m + 0.5).min(65536.0);
+    let nearest = steps + HERE - HERE;
+    let whole = if nearest > steps { nearest - 1.0 } else { nearest };
+    (whole + HERE).to_bits() as i32
 }
 
 #[cfg(test)]
@@ -89,8 +93,9 @@ mod tests {
     fn quantisation_is_the_models() {
         let model = CameraModel::default();
         let step_m = model.depth_step_m();
-        for i in 0..200_000 {
-            let depth_m = f64::from(i) * 0.0015 + 0.000_123;
+        let anywhere = (0..200_000).map(|i| f64::from(i) * 0.0015 + 0.000_123);
+        let halfway = (0..131_080).map(|i| f64::from(i) * 0.5 * step_m);
+        for depth_m in anywhere.chain(halfway) {
             let expected = model.quantise_depth(depth_m);
             assert_eq!(u16::try_from(quantised(depth_m, step_m)).ok(), expected, "{depth_m} m");
         }
