@@ -1,9 +1,12 @@
 //! What a criterion counts as seen and what it costs (`spec/guidance.md`, thesis §5.2).
 
+use std::sync::Arc;
+
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::raster::{Grid, Raster};
 
 use super::footprint::Footprint;
+use super::looks::Looks;
 use super::shadow::{Caster, Towers, hides_point};
 use super::views::View;
 use crate::config::{AgentConfig, Criterion};
@@ -103,42 +106,34 @@ impl Sight {
         Footprint::of(&self.camera.at(pose), &self.grid)
     }
 
-    /// Looks from a pose: the next [`Self::seen`] are about it.
-    pub(super) fn look(&mut self, pose: &Pose) -> Footprint {
+    /// F(x^u) ∩ X_g without what the criterion takes to be hidden. `hidden_now` is the viewer's own H^CVS,
+    /// if known; `looks` are those in the world of the OEM.
+    pub(super) fn look(
+        &mut self,
+        pose: &Pose,
+        hidden_now: Option<&Raster>,
+        looks: Option<&Looks>,
+    ) -> Arc<View> {
+        match (self.occlusion, looks) {
+            (Occlusion::Oem, Some(looks)) => looks.at(pose, || self.view(pose, None)),
+            _ => Arc::new(self.view(pose, hidden_now)),
+        }
+    }
+
+    fn view(&mut self, pose: &Pose, hidden_now: Option<&Raster>) -> View {
         let footprint = self.footprint(pose);
         if self.occlusion == Occlusion::Oem {
             self.caster.cast(&self.towers, pose.p_world, footprint.corners());
         }
-        footprint
-    }
-
-    /// Those of `bits`, cells of one word of one row within the footprint of the last pose, that are
-    /// seen from it. `hidden_now` is the viewer's own H^CVS, if known.
-    pub(super) fn seen(
-        &self,
-        hidden_now: Option<&Raster>,
-        row: u32,
-        word: usize,
-        bits: u64,
-    ) -> u64 {
-        match self.occlusion {
-            Occlusion::None => bits,
-            Occlusion::Now => hidden_now.map_or(bits, |hidden| bits & !hidden.row(row)[word]),
-            Occlusion::Oem => bits & !self.caster.hidden_bits(row, word, bits),
-        }
-    }
-
-    /// All that is seen from a pose. `hidden_now` is as for [`Self::seen`].
-    pub(super) fn view(&mut self, pose: &Pose, hidden_now: Option<&Raster>) -> View {
-        let footprint = self.look(pose);
-        let seen =
-            |(row, word, bits)| (row as i32, word as i32, self.seen(hidden_now, row, word, bits));
-        View::of(&self.grid, footprint.words().map(seen))
-    }
-
-    /// Whether what is seen from a pose follows from the map, for whomever.
-    pub(super) fn goes_by_map(&self) -> bool {
-        self.occlusion == Occlusion::Oem
+        let hidden = |row: u32, word: usize, bits: u64| match self.occlusion {
+            Occlusion::None => 0,
+            Occlusion::Now => hidden_now.map_or(0, |hidden| hidden.row(row)[word]),
+            Occlusion::Oem => self.caster.hidden_bits(row, word, bits),
+        };
+        let seen = footprint
+            .words()
+            .map(|(row, word, bits)| (row as i32, word as i32, bits & !hidden(row, word, bits)));
+        View::of(&self.grid, seen)
     }
 
     /// H^OEM(x^u) ∩ F(x^u) ∩ X_g (§4.6.4), whatever the criterion.
@@ -153,8 +148,7 @@ impl Sight {
         hidden
     }
 
-    /// J¹ of a last pose: `base` is X^Δ at the horizon before that pose's own look, and [`Self::look`]
-    /// was at that pose.
+    /// J¹ of a last pose: `base` is X^Δ at the horizon before the look from that pose, which sees `seen`.
     ///
     /// What remains of `base` within the footprint is what the pose does not see, so the nearest
     /// part that is not hidden lies outside. When all that remains is hidden, it counts as if it
@@ -162,12 +156,13 @@ impl Sight {
     pub(super) fn distance_m(
         &self,
         base: &Raster,
+        seen: &View,
         hidden_now: &Raster,
         oem: &Oem,
         pose: &Pose,
-        footprint: &Footprint,
     ) -> f64 {
         let [x, y, _] = pose.p_world;
+        let footprint = self.footprint(pose);
         let from = footprint.barycentre(&self.grid).unwrap_or([x, y]);
         let in_the_open = |column, row| {
             !footprint.contains(column, row)
@@ -179,13 +174,12 @@ impl Sight {
                     }
                 }
         };
-        let remaining = |column: u32, row| {
-            let bit = 1 << (column % 64);
-            !footprint.contains(column, row)
-                || self.seen(Some(hidden_now), row, column as usize / 64, bit) == 0
-        };
         nearest_m(base, from, in_the_open)
-            .or_else(|| nearest_m(base, from, remaining))
+            .or_else(|| {
+                let mut remaining = base.clone();
+                seen.take_from(&mut remaining);
+                nearest_m(&remaining, from, |_, _| true)
+            })
             .unwrap_or(0.0)
     }
 }

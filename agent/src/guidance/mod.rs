@@ -5,7 +5,7 @@
 //! | `footprint` | F(x^u) ∩ X_g, a run of cells per row |
 //! | `shadow` | H^OEM(x^u), what the boxes of the OEM would hide |
 //! | [`criterion`] | what a criterion counts as seen, and its cost |
-//! | `looks` | what neighbours would see, found once for all agents that know the same |
+//! | `looks` | what is seen from where, found once for all agents that know the same |
 //! | [`rollout`] | prediction: poses and X^Δ, block by block |
 //! | `search` | the tree of yaw increments |
 //! | `beam` | `str4`: the best few candidates, block by block |
@@ -65,7 +65,7 @@ pub struct Picture<'a> {
     pub hidden_recent: &'a Raster,
     /// M; only `str3` and `str4` read it.
     pub oem: &'a Oem,
-    /// What others saw in the world of `oem` from where neighbours will be; only `str3` reads it.
+    /// What was seen so far in the world of `oem`, by whomever; only `str3` reads it.
     pub looks: Option<&'a Looks>,
 }
 
@@ -190,6 +190,7 @@ impl Planner {
             },
             hidden_now: picture.hidden_now,
             oem: picture.oem,
+            looks: picture.looks,
             trail: Vec::with_capacity(self.levels.len()),
             best: None,
             nodes: 0,
@@ -222,10 +223,7 @@ impl Planner {
             let poses = self.motion.forecast(plan, 0, blocks);
             for (pose, seen) in poses.iter().zip(&mut self.seen_by_others) {
                 if self.meeting.may_see_the_same(own, pose) {
-                    match picture.looks.filter(|_| self.sight.goes_by_map()) {
-                        Some(looks) => looks.add(pose, || self.sight.view(pose, None), seen),
-                        None => self.sight.view(pose, hidden_now).add_to(seen),
-                    }
+                    self.sight.look(pose, hidden_now, picture.looks).add_to(seen);
                 }
             }
         }

@@ -4,8 +4,9 @@ use csat_proto::camera::Pose;
 use csat_proto::raster::Raster;
 
 use super::criterion::{Sight, Terms, Weights};
-use super::footprint::Footprint;
+use super::looks::Looks;
 use super::rollout::{Level, Motion, Surroundings};
+use super::views::View;
 use crate::estimate::oem::Oem;
 
 /// A block of a candidate: its yaw increment, radians, and the pose at its end.
@@ -29,6 +30,8 @@ pub(super) struct Search<'a> {
     pub(super) around: Surroundings<'a>,
     pub(super) hidden_now: &'a Raster,
     pub(super) oem: &'a Oem,
+    /// Those in the world of `oem`.
+    pub(super) looks: Option<&'a Looks>,
     /// The choices from the root to the current node.
     pub(super) trail: Vec<Choice>,
     pub(super) best: Option<Best>,
@@ -44,41 +47,25 @@ impl Search<'_> {
         level.pass_block(self.trail.len(), &self.around);
         for &increment_rad in self.increments {
             let next = self.motion.advance(pose, increment_rad);
-            let footprint = self.sight.look(&next);
+            let seen = self.sight.look(&next, Some(self.hidden_now), self.looks);
             self.nodes += 1;
             self.trail.push((increment_rad, next));
             match deeper.first_mut() {
                 Some(child) => {
-                    self.observe(&level.base, &footprint, &mut child.remaining);
+                    child.remaining.clone_from(&level.base);
+                    seen.take_from(&mut child.remaining);
                     self.descend(deeper, &next);
                 }
-                None => self.judge(level, &footprint, &next),
+                None => self.judge(level, &seen, &next),
             }
             self.trail.pop();
         }
     }
 
-    /// remaining = base without what is seen.
-    fn observe(&self, base: &Raster, footprint: &Footprint, remaining: &mut Raster) {
-        remaining.clone_from(base);
-        for (row, word, bits) in footprint.words() {
-            let candidates = bits & base.row(row)[word];
-            remaining.row_mut(row)[word] &= !self.seen(row, word, candidates);
-        }
-    }
-
-    fn seen(&self, row: u32, word: usize, bits: u64) -> u64 {
-        self.sight.seen(Some(self.hidden_now), row, word, bits)
-    }
-
     /// Keeps the trail if it costs less than every one before it.
-    fn judge(&mut self, level: &Level, footprint: &Footprint, pose: &Pose) {
-        let (mut seen_cells, mut seen_hidden) = (0, 0);
-        for (row, word, bits) in footprint.words() {
-            let seen = self.seen(row, word, bits & level.base.row(row)[word]);
-            seen_cells += seen.count_ones();
-            seen_hidden += (seen & self.around.hidden_recent.row(row)[word]).count_ones();
-        }
+    fn judge(&mut self, level: &Level, seen: &View, pose: &Pose) {
+        let seen_cells = seen.count_in(&level.base);
+        let seen_hidden = seen.count_in_both(&level.base, self.around.hidden_recent);
         let cell_m2 = level.base.grid().cell_m.powi(2);
         let mut terms = Terms {
             remaining_m2: f64::from(level.base_cells - seen_cells) * cell_m2,
@@ -91,7 +78,7 @@ impl Search<'_> {
             return;
         }
         terms.distance_m =
-            self.sight.distance_m(&level.base, self.hidden_now, self.oem, pose, footprint);
+            self.sight.distance_m(&level.base, seen, self.hidden_now, self.oem, pose);
         let cost = self.weights.cost(&terms);
         if cost < best_cost {
             self.best = Some(Best { cost, terms, choices: self.trail.clone() });

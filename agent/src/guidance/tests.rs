@@ -166,7 +166,7 @@ fn shared_looks_change_nothing_and_save_looking_twice() {
         let first = Planner::new(&config).plan(&together, &middle(), &[]).poses;
         let second = vec![Pose { yaw_rad: -0.4, ..first[0] }];
         for (plans, poses_looked_from) in
-            [(vec![first.clone()], 1), (vec![first.clone()], 1), (vec![first, second], 2)]
+            [(vec![], 2), (vec![first.clone()], 2), (vec![first, second], 3)]
         {
             let alone = Planner::new(&config).plan(&scene.picture(), &middle(), &plans);
             let shared = Planner::new(&config).plan(&together, &middle(), &plans);

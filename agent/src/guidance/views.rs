@@ -191,6 +191,13 @@ impl View {
         self.0.iter().map(|&(word, bits)| (words[word as usize] & bits).count_ones()).sum()
     }
 
+    /// |a ∩ b ∩ view|, cells.
+    pub(super) fn count_in_both(&self, a: &Raster, b: &Raster) -> u32 {
+        let (a, b) = (a.words(), b.words());
+        let common = |&(word, bits): &(u32, u64)| a[word as usize] & b[word as usize] & bits;
+        self.0.iter().map(|word| common(word).count_ones()).sum()
+    }
+
     /// set \ view.
     pub(super) fn take_from(&self, set: &mut Raster) {
         let words = set.words_mut();
