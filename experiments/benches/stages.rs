@@ -102,6 +102,9 @@ fn guidance(group: &mut BenchmarkGroup<'_, WallTime>, moment: &Moment) {
     group.bench_function("guidance-str3", |b| {
         b.iter(|| recorded::stage_guidance_str3(&mut str3, moment));
     });
+    group.bench_function("guidance-decision", |b| {
+        b.iter(|| recorded::stage_guidance_decision(&mut str3, moment));
+    });
 }
 
 fn whole_mission(criterion: &mut Criterion) {

@@ -60,5 +60,6 @@ impl Scratch {
         black_box(recorded::stage_guidance_str1(str1, moment));
         black_box(recorded::stage_guidance_str2(str2, moment));
         black_box(recorded::stage_guidance_str3(str3, moment));
+        black_box(recorded::stage_guidance_decision(str3, moment));
     }
 }

@@ -81,7 +81,7 @@ impl Settled {
         self.coarse.get_or_init(|| Coarse::of(&self.knowledge, self.unexplored_cells().clone()))
     }
 
-    /// What is seen from where in the world of its map, by the criterion of all who know this.
+    /// What is seen of its X^Δ from where in the world of its map, by the criterion of all who know this.
     pub fn looks(&self) -> &Looks {
         &self.looks
     }

@@ -106,21 +106,21 @@ impl Sight {
         Footprint::of(&self.camera.at(pose), &self.grid)
     }
 
-    /// F(x^u) ∩ X_g without what the criterion takes to be hidden. `hidden_now` is the viewer's own H^CVS,
-    /// if known; `looks` are those in the world of the OEM.
+    /// F(x^u) ∩ `grown` without what the criterion takes to be hidden. `grown` is that of `looks`, which
+    /// are in the world of the OEM; `hidden_now` is the viewer's own H^CVS, if known.
     pub(super) fn look(
         &mut self,
         pose: &Pose,
         hidden_now: Option<&Raster>,
-        looks: Option<&Looks>,
+        (looks, grown): (&Looks, &Raster),
     ) -> Arc<View> {
-        match (self.occlusion, looks) {
-            (Occlusion::Oem, Some(looks)) => looks.at(pose, || self.view(pose, None)),
-            _ => Arc::new(self.view(pose, hidden_now)),
+        match self.occlusion {
+            Occlusion::Oem => looks.at(pose, || self.view(pose, None, grown)),
+            Occlusion::None | Occlusion::Now => Arc::new(self.view(pose, hidden_now, grown)),
         }
     }
 
-    fn view(&mut self, pose: &Pose, hidden_now: Option<&Raster>) -> View {
+    fn view(&mut self, pose: &Pose, hidden_now: Option<&Raster>, grown: &Raster) -> View {
         let footprint = self.footprint(pose);
         if self.occlusion == Occlusion::Oem {
             self.caster.cast(&self.towers, pose.p_world, footprint.corners());
@@ -130,9 +130,10 @@ impl Sight {
             Occlusion::Now => hidden_now.map_or(0, |hidden| hidden.row(row)[word]),
             Occlusion::Oem => self.caster.hidden_bits(row, word, bits),
         };
-        let seen = footprint
-            .words()
-            .map(|(row, word, bits)| (row as i32, word as i32, bits & !hidden(row, word, bits)));
+        let seen = footprint.words().map(|(row, word, bits)| {
+            let bits = bits & grown.row(row)[word];
+            (row as i32, word as i32, bits & !hidden(row, word, bits))
+        });
         View::of(&self.grid, seen)
     }
 

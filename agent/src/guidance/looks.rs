@@ -1,22 +1,32 @@
 //! What is seen from where, found once for all agents that know the same.
 //!
 //! The second pass of a decision looks from the same poses as the first, and neighbours look from the poses
-//! that somebody plans: in a large fleet from more of those than from poses of their own.
+//! that somebody plans: in a large fleet from more of those than from poses of their own. All that counts
+//! is what is seen of X^Δ, to which it may grow within the horizon.
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use csat_proto::camera::Pose;
+use csat_proto::raster::Raster;
 
 use super::views::View;
 
-/// What was seen from where in one world, for one camera and criterion. It changes the time that a
-/// look takes and nothing else.
+/// What was seen of one X^Δ from where in one world, for one camera and criterion. It changes the time
+/// that a look takes and nothing else.
 #[derive(Default)]
-pub struct Looks(Mutex<BTreeMap<[u64; 6], Arc<View>>>);
+pub struct Looks {
+    grown: OnceLock<Raster>,
+    known: Mutex<BTreeMap<[u64; 6], Arc<View>>>,
+}
 
 impl Looks {
+    /// All that X^Δ may cover within the horizon; `grow` finds it if nobody has before.
+    pub(super) fn grown(&self, grow: impl FnOnce() -> Raster) -> &Raster {
+        self.grown.get_or_init(grow)
+    }
+
     /// What is seen from `pose`; `look` finds it if nobody has before.
     pub(super) fn at(&self, pose: &Pose, look: impl FnOnce() -> View) -> Arc<View> {
         let Pose { p_world: [x, y, z], yaw_rad, pitch_rad, roll_rad } = *pose;
@@ -36,7 +46,7 @@ impl Looks {
     }
 
     fn known(&self) -> MutexGuard<'_, BTreeMap<[u64; 6], Arc<View>>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

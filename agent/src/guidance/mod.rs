@@ -65,7 +65,7 @@ pub struct Picture<'a> {
     pub hidden_recent: &'a Raster,
     /// M; only `str3` and `str4` read it.
     pub oem: &'a Oem,
-    /// What was seen so far in the world of `oem`, by whomever; only `str3` reads it.
+    /// What was seen so far of `wanted` in the world of `oem`, by whomever; `str1` to `str3`.
     pub looks: Option<&'a Looks>,
 }
 
@@ -172,7 +172,10 @@ impl Planner {
         neighbours: &[Vec<Pose>],
     ) -> Decision {
         self.sight.load(picture.oem);
-        self.look_for_others(picture, pose, neighbours);
+        let own = Looks::default();
+        let looks = picture.looks.unwrap_or(&own);
+        let looks = (looks, looks.grown(|| self.grown(picture.wanted)));
+        self.look_for_others(picture, looks, pose, neighbours);
         if let Some(root) = self.levels.first_mut() {
             root.remaining.clone_from(picture.wanted);
         }
@@ -190,7 +193,7 @@ impl Planner {
             },
             hidden_now: picture.hidden_now,
             oem: picture.oem,
-            looks: picture.looks,
+            looks,
             trail: Vec::with_capacity(self.levels.len()),
             best: None,
             nodes: 0,
@@ -213,9 +216,20 @@ impl Planner {
         self.sight.predicted_hidden(oem, pose)
     }
 
+    /// All that X^Δ may cover within the horizon, whoever looks where.
+    fn grown(&self, wanted: &Raster) -> Raster {
+        self.levels.iter().fold(wanted.clone(), |set, _| set.dilated_disc(self.growth_m))
+    }
+
     /// What the neighbours would see is the same in every node of a depth: it is found once.
     /// Whoever is too far away to see what this UAV might is left out: in a large fleet most are.
-    fn look_for_others(&mut self, picture: &Picture<'_>, own: &Pose, neighbours: &[Vec<Pose>]) {
+    fn look_for_others(
+        &mut self,
+        picture: &Picture<'_>,
+        looks: (&Looks, &Raster),
+        own: &Pose,
+        neighbours: &[Vec<Pose>],
+    ) {
         let blocks = self.levels.len();
         self.seen_by_others.fill(Raster::empty(self.grid));
         for (index, plan) in neighbours.iter().enumerate() {
@@ -223,7 +237,7 @@ impl Planner {
             let poses = self.motion.forecast(plan, 0, blocks);
             for (pose, seen) in poses.iter().zip(&mut self.seen_by_others) {
                 if self.meeting.may_see_the_same(own, pose) {
-                    self.sight.look(pose, hidden_now, picture.looks).add_to(seen);
+                    self.sight.look(pose, hidden_now, looks).add_to(seen);
                 }
             }
         }

@@ -30,8 +30,8 @@ pub(super) struct Search<'a> {
     pub(super) around: Surroundings<'a>,
     pub(super) hidden_now: &'a Raster,
     pub(super) oem: &'a Oem,
-    /// Those in the world of `oem`.
-    pub(super) looks: Option<&'a Looks>,
+    /// Those in the world of `oem`, and what X^Δ may grow to.
+    pub(super) looks: (&'a Looks, &'a Raster),
     /// The choices from the root to the current node.
     pub(super) trail: Vec<Choice>,
     pub(super) best: Option<Best>,

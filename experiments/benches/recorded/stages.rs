@@ -16,7 +16,7 @@ use csat_agent::exchange::held::Held;
 use csat_agent::exchange::inbox::Inbox;
 use csat_agent::exchange::outbox::{Account, Outbox};
 use csat_agent::exchange::repair::Repair;
-use csat_agent::guidance::{Decision, Picture, Planner};
+use csat_agent::guidance::{Decision, Looks, Picture, Planner};
 use csat_agent::sense::{Measured, Sensor};
 use csat_proto::frame::Frame;
 use csat_proto::message::Digest;
@@ -45,13 +45,14 @@ pub fn inbox(config: &AgentConfig) -> (Inbox, Held) {
     (Inbox::new(config, Commons::default()), Held::new(config))
 }
 
-/// One pass of guidance as the agent does it: picture, then search.
-fn decide(planner: &mut Planner, moment: &Moment) -> Decision {
+/// Passes of guidance as the agent does them: picture, then search.
+fn decide(planner: &mut Planner, moment: &Moment, passes: usize) -> Option<Decision> {
     let knowledge = &moment.fused;
     let unexplored = Raster::of_region(moment.config.raster_grid(), knowledge.unexplored.region());
     let coarse = Coarse::of(knowledge, unexplored);
     let neighbours_hidden_now: Vec<Option<&Raster>> =
         moment.neighbours_hidden.iter().map(Some).collect();
+    let looks = Looks::default();
     let picture = Picture {
         wanted: &coarse.wanted,
         margin: &coarse.margin,
@@ -59,9 +60,10 @@ fn decide(planner: &mut Planner, moment: &Moment) -> Decision {
         neighbours_hidden_now: &neighbours_hidden_now,
         hidden_recent: &coarse.hidden_recently,
         oem: &knowledge.oem,
-        looks: None,
+        looks: Some(&looks),
     };
-    planner.plan(&picture, &moment.frame.pose, &moment.plans)
+    let pass = |_| planner.plan(&picture, &moment.frame.pose, &moment.plans);
+    (0..passes).map(pass).last()
 }
 
 fn own(moment: &Moment) -> Option<(Step, &Measured)> {
@@ -160,21 +162,28 @@ pub fn stage_fuse_snapshots(
 
 /// One pass of guidance under (5.16).
 #[inline(never)]
-pub fn stage_guidance_str1(planner: &mut Planner, moment: &Moment) -> Decision {
+pub fn stage_guidance_str1(planner: &mut Planner, moment: &Moment) -> Option<Decision> {
     black_box("str1");
-    decide(planner, moment)
+    decide(planner, moment, 1)
 }
 
 /// One pass of guidance under (5.21).
 #[inline(never)]
-pub fn stage_guidance_str2(planner: &mut Planner, moment: &Moment) -> Decision {
+pub fn stage_guidance_str2(planner: &mut Planner, moment: &Moment) -> Option<Decision> {
     black_box("str2");
-    decide(planner, moment)
+    decide(planner, moment, 1)
 }
 
 /// One pass of guidance under (5.27) and (5.32).
 #[inline(never)]
-pub fn stage_guidance_str3(planner: &mut Planner, moment: &Moment) -> Decision {
+pub fn stage_guidance_str3(planner: &mut Planner, moment: &Moment) -> Option<Decision> {
     black_box("str3");
-    decide(planner, moment)
+    decide(planner, moment, 1)
+}
+
+/// Both passes of a decision under (5.27) and (5.32).
+#[inline(never)]
+pub fn stage_guidance_decision(planner: &mut Planner, moment: &Moment) -> Option<Decision> {
+    black_box("decision");
+    decide(planner, moment, 2)
 }
