@@ -7,6 +7,7 @@ use csat_proto::raster::{Grid, Raster};
 
 use super::footprint::Footprint;
 use super::looks::Looks;
+use super::nearest::nearest_m;
 use super::shadow::{Caster, Towers, hides_point};
 use super::views::View;
 use crate::config::{AgentConfig, Criterion};
@@ -165,134 +166,17 @@ impl Sight {
         let [x, y, _] = pose.p_world;
         let footprint = self.footprint(pose);
         let from = footprint.barycentre(&self.grid).unwrap_or([x, y]);
-        let in_the_open = |column, row| {
-            !footprint.contains(column, row)
-                && match self.occlusion {
-                    Occlusion::None => true,
-                    Occlusion::Now => !hidden_now.get(column, row),
-                    Occlusion::Oem => {
-                        !hides_point(oem, pose.p_world, self.grid.centre(column, row))
-                    }
-                }
+        let in_the_open = |column, row| match self.occlusion {
+            Occlusion::None => true,
+            Occlusion::Now => !hidden_now.get(column, row),
+            Occlusion::Oem => !hides_point(oem, pose.p_world, self.grid.centre(column, row)),
         };
-        nearest_m(base, from, in_the_open)
+        nearest_m(base, from, |row| footprint.columns(row), in_the_open)
             .or_else(|| {
                 let mut remaining = base.clone();
                 seen.take_from(&mut remaining);
-                nearest_m(&remaining, from, |_, _| true)
+                nearest_m(&remaining, from, |_| 0..0, |_, _| true)
             })
             .unwrap_or(0.0)
-    }
-}
-
-/// The distance from a point to the nearest centre of the cells of `set` that `accept` (column, row)
-/// lets through, metres.
-pub(super) fn nearest_m(
-    set: &Raster,
-    from: [f64; 2],
-    mut accept: impl FnMut(u32, u32) -> bool,
-) -> Option<f64> {
-    let grid = set.grid();
-    let [west, south] = grid.origin();
-    let cell = |x: f64, origin: f64, count: u32| {
-        ((x - origin) / grid.cell_m).floor().clamp(0.0, f64::from(count - 1)) as u32
-    };
-    let middle = (cell(from[0], west, grid.columns), cell(from[1], south, grid.rows));
-    let mut best = f64::INFINITY;
-    // Rows from the nearest outwards, up to the first that is as far as the best cell so far.
-    for offset in 0..grid.rows {
-        let below = middle.1.checked_sub(offset);
-        let above = (offset > 0).then_some(middle.1 + offset).filter(|&row| row < grid.rows);
-        let mut hopeless = true;
-        for row in below.into_iter().chain(above) {
-            let row_gap = (grid.centre(0, row)[1] - from[1]).abs();
-            if row_gap < best {
-                hopeless = false;
-                nearest_in_row(set, from, (middle.0, row), &mut best, &mut accept);
-            }
-        }
-        if hopeless {
-            break;
-        }
-    }
-    best.is_finite().then_some(best)
-}
-
-/// Lowers `best` to the distance of the nearest accepted cell of one row, eastwards from `middle`'s
-/// column, then westwards.
-fn nearest_in_row(
-    set: &Raster,
-    from: [f64; 2],
-    middle: (u32, u32),
-    best: &mut f64,
-    accept: &mut impl FnMut(u32, u32) -> bool,
-) {
-    let (column, row) = middle;
-    let words = set.row(row);
-    let distance = |column: u32| {
-        let centre = set.grid().centre(column, row);
-        (centre[0] - from[0]).hypot(centre[1] - from[1])
-    };
-    let start = column as usize / 64;
-    let east_mask = u64::MAX << (column % 64);
-    'east: for (index, &word) in words.iter().enumerate().skip(start) {
-        let mut bits = if index == start { word & east_mask } else { word };
-        while bits != 0 {
-            let candidate = index as u32 * 64 + bits.trailing_zeros();
-            bits &= bits - 1;
-            let d = distance(candidate);
-            if d >= *best {
-                break 'east;
-            }
-            if accept(candidate, row) {
-                *best = d;
-                break 'east;
-            }
-        }
-    }
-    for (index, &word) in words.iter().enumerate().take(start + 1).rev() {
-        let mut bits = if index == start { word & !east_mask } else { word };
-        while bits != 0 {
-            let top = 63 - bits.leading_zeros();
-            bits &= !(1 << top);
-            let candidate = index as u32 * 64 + top;
-            let d = distance(candidate);
-            if d >= *best {
-                return;
-            }
-            if accept(candidate, row) {
-                *best = d;
-                return;
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use csat_proto::model::Ground;
-
-    use super::*;
-
-    #[test]
-    fn the_nearest_cell_is_the_nearest_of_all() {
-        let grid = Grid::covering(&Ground { size_m: [300.0, 80.0] }, 2.0);
-        let mut set = Raster::empty(grid);
-        for i in 0..60u32 {
-            set.set(i * 7919 % grid.columns, i * 104_729 % grid.rows);
-        }
-        let odd = |column: u32, row: u32| (column + row) % 2 == 1;
-        for from in [[0.0, 0.0], [-151.0, 3.0], [400.0, -90.0], [17.3, 39.9], [-1.0, 500.0]] {
-            let distance = |(column, row): (u32, u32)| {
-                let c = grid.centre(column, row);
-                (c[0] - from[0]).hypot(c[1] - from[1])
-            };
-            let of_all = |accept: &dyn Fn(u32, u32) -> bool| {
-                set.iter().filter(|&(c, r)| accept(c, r)).map(distance).min_by(f64::total_cmp)
-            };
-            assert_eq!(nearest_m(&set, from, |_, _| true), of_all(&|_, _| true));
-            assert_eq!(nearest_m(&set, from, odd), of_all(&odd));
-            assert_eq!(nearest_m(&set, from, |_, _| false), None);
-        }
     }
 }

@@ -40,10 +40,10 @@ impl Footprint {
         &self.corners
     }
 
-    /// Whether a cell is in the footprint.
-    pub(super) fn contains(&self, column: u32, row: u32) -> bool {
+    /// The columns of a row that are in the footprint.
+    pub(super) fn columns(&self, row: u32) -> Range<u32> {
         let run = row.checked_sub(self.first_row).and_then(|i| self.runs.get(i as usize));
-        run.is_some_and(|run| run.contains(&column))
+        run.cloned().unwrap_or_default()
     }
 
     /// The footprint as rows and the columns in each.
@@ -208,7 +208,7 @@ mod tests {
             from_words.row_mut(row)[word] |= bits;
         }
         assert_eq!(from_words, cells);
-        assert!(cells.iter().all(|(column, row)| footprint.contains(column, row)));
+        assert!(cells.iter().all(|(column, row)| footprint.columns(row).contains(&column)));
         let (c, centre) = (centroid(&ring).unwrap(), footprint.barycentre(&grid).unwrap());
         assert!((c[0] - centre[0]).hypot(c[1] - centre[1]) < 0.5, "{c:?} {centre:?}");
     }

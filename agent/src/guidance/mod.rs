@@ -6,6 +6,7 @@
 //! | `shadow` | H^OEM(x^u), what the boxes of the OEM would hide |
 //! | [`criterion`] | what a criterion counts as seen, and its cost |
 //! | `looks` | what is seen from where, found once for all agents that know the same |
+//! | `nearest` | how far it is to the nearest part of X^Δ in the open |
 //! | [`rollout`] | prediction: poses and X^Δ, block by block |
 //! | `search` | the tree of yaw increments |
 //! | `beam` | `str4`: the best few candidates, block by block |
@@ -31,6 +32,7 @@ pub mod criterion;
 mod first_looks;
 mod footprint;
 mod looks;
+mod nearest;
 pub mod rollout;
 mod route;
 pub mod schedule;
