@@ -271,11 +271,7 @@ impl Shell {
                 }
                 Some(News::Link(src, bytes)) => self.hear(src, bytes),
                 Some(News::Probe(agent, probe)) => self.probed(agent, probe),
-                Some(News::Gone(agent)) => {
-                    self.heard.remove(&agent);
-                    self.lost.insert(agent);
-                    self.try_turn();
-                }
+                Some(News::Gone(agent)) => self.miss(agent),
                 Some(News::Asked(query)) => {
                     self.asked.push(query);
                     self.asked.truncate(MAX_ASKED);
@@ -331,6 +327,15 @@ impl Shell {
         if is_new {
             self.desk.ready(&self.readiness());
         }
+    }
+
+    /// Another process is gone. A lease runs out for each of its peers at a time of its own: a successor
+    /// may be known already. It answers if there is one.
+    fn miss(&mut self, agent: AgentId) {
+        self.heard.remove(&agent);
+        self.lost.insert(agent);
+        self.desk.probe(&Probe { process: self.process, answer: true });
+        self.try_turn();
     }
 
     /// How long nothing has to be done if nothing comes.
