@@ -4,7 +4,7 @@ use csat_proto::region::{GridBox, Region, Ring};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{Overlay, ShapeType};
 pub(crate) use i_overlay::core::overlay_rule::OverlayRule as RULE;
-use i_overlay::core::solver::{Precision, Solver};
+use i_overlay::core::solver::{Precision, Solver, Strategy};
 
 /// In round i of resolving crossings the engine snaps them to edge ends within 2^(2i) units.
 ///
@@ -15,6 +15,12 @@ use i_overlay::core::solver::{Precision, Solver};
 /// on two agents do: with a constant one (`Precision::ABSOLUTE`), taking a star from a copy of
 /// itself with vertices moved by a unit has taken minutes.
 const PRECISION: Precision = Precision { start: 0, progression: 4 };
+
+/// Up to how many edges the engine keeps those under the sweep line in a list; then it may take a tree.
+///
+/// Its own choice is 2000 edges, its documentation's 10 000. With the list, grown sets of 2000 to 7000
+/// edges take a third less time. The result is the same.
+const LIST_UP_TO: usize = 10_000;
 
 /// Applies `rule` to two collections of rings, each filled where its winding number is positive.
 ///
@@ -27,14 +33,16 @@ pub(crate) fn overlay<'a>(
     clip: impl IntoIterator<Item = &'a Ring>,
     rule: RULE,
 ) -> Region {
-    let solver = Solver::with_precision(PRECISION);
-    let mut overlay = Overlay::<i32>::new_custom(1024, Default::default(), solver);
-    for ring in subject {
-        overlay.add_contour(ring, ShapeType::Subject);
+    let mut overlay = Overlay::<i32>::new_custom(1024, Default::default(), Solver::AUTO);
+    let mut edges = 0;
+    let subject = subject.into_iter().map(|ring| (ring, ShapeType::Subject));
+    let clip = clip.into_iter().map(|ring| (ring, ShapeType::Clip));
+    for (ring, side) in subject.chain(clip) {
+        overlay.add_contour(ring, side);
+        edges += ring.len();
     }
-    for ring in clip {
-        overlay.add_contour(ring, ShapeType::Clip);
-    }
+    let strategy = if edges <= LIST_UP_TO { Strategy::List } else { Strategy::Auto };
+    overlay.solver = Solver::with_strategy_and_precision(strategy, PRECISION);
     Region::from_shapes(overlay.overlay(rule, FillRule::Positive))
 }
 
