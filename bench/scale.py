@@ -18,6 +18,11 @@ import sys
 import tempfile
 from pathlib import Path
 
+try:
+    import matplotlib
+except ImportError:
+    sys.exit("bench/scale.py draws with matplotlib, which this python does not have: pip install matplotlib")
+
 ROOT = Path(__file__).resolve().parent.parent
 CSAT = os.environ.get("CSAT", ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "release/csat")
 STAGES = ["render", "sense", "estimate", "fuse", "guidance"]
@@ -132,8 +137,6 @@ def obstacles(seconds):
 
 
 def draw(name, x_label, y_label, curves):
-    import matplotlib
-
     matplotlib.use("svg")
     import matplotlib.pyplot as plt
     from matplotlib.ticker import NullLocator

@@ -2,6 +2,8 @@
 
 use csat_proto::region::{GridBox, GridPoint, Region, Ring};
 
+use crate::region::turn;
+
 /// What is wrong with rings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tangle {
@@ -62,16 +64,9 @@ fn edges_of(ring: &Ring) -> impl Iterator<Item = Edge> {
 }
 
 fn cross(e: &Edge, f: &Edge) -> bool {
-    let apart = |edge: &Edge, p, q| side(edge.a, edge.b, p) * side(edge.a, edge.b, q) < 0;
+    let side = |edge: &Edge, p| turn(edge.a, edge.b, p).signum();
+    let apart = |edge: &Edge, p, q| side(edge, p) * side(edge, q) < 0;
     apart(e, f.a, f.b) && apart(f, e.a, e.b)
-}
-
-/// On which side of the line from a to b a point lies.
-fn side(a: GridPoint, b: GridPoint, p: GridPoint) -> i128 {
-    let difference =
-        |p: GridPoint| (i128::from(p.x) - i128::from(a.x), i128::from(p.y) - i128::from(a.y));
-    let ((bx, by), (px, py)) = (difference(b), difference(p));
-    (bx * py - by * px).signum()
 }
 
 #[cfg(test)]

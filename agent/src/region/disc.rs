@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use csat_proto::region::{GridBox, GridPoint, Region, Ring, UNITS_PER_M};
 
 use super::NUMERIC_MARGIN_M;
+use super::vector::{Vector, turn};
 
 /// The largest coordinate that `i_overlay` computes with, in grid units.
 const LIMIT: i32 = (1 << 30) - 1;
@@ -61,8 +62,8 @@ impl Disc {
 
     /// The index of the corner farthest along `normal` (of two equal ones the first in
     /// counter-clockwise order), given that the disc fits about the edge of that normal.
-    pub(super) fn support(&self, normal: (i64, i64)) -> usize {
-        let reach = |q: GridPoint| normal.0 * i64::from(q.x) + normal.1 * i64::from(q.y);
+    pub(super) fn support(&self, normal: Vector) -> usize {
+        let reach = |q: GridPoint| normal.x * i64::from(q.x) + normal.y * i64::from(q.y);
         let (mut best, mut most) = (0, reach(self.corners[0]));
         for (k, &q) in self.corners.iter().enumerate().skip(1) {
             let reach = reach(q);
@@ -77,17 +78,10 @@ impl Disc {
 
 /// The corners of the convex hull of points that go round the origin once, rounded to the grid.
 fn convex(points: impl Iterator<Item = GridPoint>) -> Ring {
-    let left = |a: GridPoint, b: GridPoint, c: GridPoint| {
-        let d = |p: GridPoint, q: GridPoint| {
-            (i128::from(q.x) - i128::from(p.x), i128::from(q.y) - i128::from(p.y))
-        };
-        let ((ux, uy), (wx, wy)) = (d(a, b), d(b, c));
-        ux * wy - uy * wx > 0
-    };
     let mut ring: Ring = points.collect();
     loop {
         let n = ring.len();
-        let kept = |i: &usize| left(ring[(i + n - 1) % n], ring[*i], ring[(i + 1) % n]);
+        let kept = |i: &usize| turn(ring[(i + n - 1) % n], ring[*i], ring[(i + 1) % n]) > 0;
         // One at a time: dropping neighbours together could cut into the hull.
         match (0..n).find(|i| !kept(i)) {
             Some(i) if n > 3 => ring.remove(i),

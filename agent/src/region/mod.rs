@@ -37,6 +37,7 @@ mod outer;
 mod reach;
 mod simplify;
 mod sweep;
+mod vector;
 
 pub use disc::Disc;
 pub use grown::Grown;
@@ -46,6 +47,7 @@ pub use reach::Reach;
 pub use simplify::{Kind, Tolerance, simplify_ring};
 
 pub(crate) use boolean::{RULE, overlay};
+pub(crate) use vector::turn;
 
 /// ε_num: what a step's polygon operations may lose by rounding, in metres, with a wide margin.
 pub const NUMERIC_MARGIN_M: f64 = 1e-4;

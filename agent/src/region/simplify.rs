@@ -15,6 +15,7 @@ use std::collections::BinaryHeap;
 
 use csat_proto::region::{GridPoint, Region, Ring, Shape, UNITS_PER_M, twice_signed_area};
 
+use super::vector::{Vector, turn};
 use super::{RULE, overlay};
 
 /// Which way a set may change.
@@ -168,15 +169,15 @@ impl Chain {
 
     fn price_of_drop(&self, i: usize) -> Option<f64> {
         let (a, v, b) = (self.points[self.before(i)], self.points[i], self.points[self.after(i)]);
-        let turn = cross(diff(a, v), diff(v, b));
+        let turn = turn(a, v, b);
         match (self.kind, turn) {
             (_, 0) => Some(0.0),
             (Kind::Outer, 1..) | (Kind::Inner, ..0) => None,
             _ => {
-                let base = length(diff(a, b));
+                let base = Vector::between(a, b).length();
                 // The height of the triangle over a-b; of a needle, its length.
                 let height = (turn.unsigned_abs() as f64 / base.max(1.0)).max(if base < 1.0 {
-                    length(diff(a, v))
+                    Vector::between(a, v).length()
                 } else {
                     0.0
                 });
@@ -189,21 +190,21 @@ impl Chain {
     fn meeting(&self, i: usize) -> Option<(GridPoint, f64)> {
         let (b, c) = (self.points[i], self.points[self.after(i)]);
         let (a, d) = (self.points[self.before(i)], self.points[self.after(self.after(i))]);
-        let (u, e, w) = (diff(a, b), diff(b, c), diff(c, d));
-        let (at_b, at_c, between) = (cross(u, e), cross(e, w), cross(u, w));
+        let [u, e, w] = [(a, b), (b, c), (c, d)].map(|(p, q)| Vector::between(p, q));
+        let (at_b, at_c, between) = (u.cross(e), e.cross(w), u.cross(w));
         let sign = if self.kind == Kind::Outer { 1 } else { -1 };
-        if at_b * sign <= 0 || at_c * sign <= 0 || between * sign <= 0 || dot(u, w) <= 0 {
+        if at_b * sign <= 0 || at_c * sign <= 0 || between * sign <= 0 || u.dot(w) <= 0 {
             return None;
         }
         // b + t·u = c - s·w, so t = (e × w) / (u × w).
         let t = at_c as f64 / between as f64;
-        let base = length(e);
+        let base = e.length();
         let height = t * at_b.unsigned_abs() as f64 / base;
         let price = self.share(height, base);
-        // e turned right points out of a set on its left.
-        let out = [e.1 as f64 / base, -e.0 as f64 / base].map(|x| x * ROUNDING * sign as f64);
-        let x = f64::from(b.x) + t * u.0 as f64 + out[0];
-        let y = f64::from(b.y) + t * u.1 as f64 + out[1];
+        let out = e.outward();
+        let out = [out.x, out.y].map(|x| x as f64 / base * ROUNDING * sign as f64);
+        let x = f64::from(b.x) + t * u.x as f64 + out[0];
+        let y = f64::from(b.y) + t * u.y as f64 + out[1];
         (price <= 1.0).then(|| (GridPoint::new(x.round() as i32, y.round() as i32), price))
     }
 
@@ -233,20 +234,4 @@ impl Chain {
         self.alive[i] = false;
         self.left -= 1;
     }
-}
-
-fn diff(a: GridPoint, b: GridPoint) -> (i64, i64) {
-    (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y))
-}
-
-fn cross(u: (i64, i64), w: (i64, i64)) -> i128 {
-    i128::from(u.0) * i128::from(w.1) - i128::from(u.1) * i128::from(w.0)
-}
-
-fn dot(u: (i64, i64), w: (i64, i64)) -> i128 {
-    i128::from(u.0) * i128::from(w.0) + i128::from(u.1) * i128::from(w.1)
-}
-
-fn length(u: (i64, i64)) -> f64 {
-    (u.0 as f64).hypot(u.1 as f64)
 }

@@ -16,6 +16,7 @@
 use csat_proto::region::{GridPoint, Ring};
 
 use super::Disc;
+use super::vector::Vector;
 
 /// The raw path of `ring ⊕ disc`; to be filled where the winding number is positive. The disc must
 /// [fit](Disc::fits) about every point of the ring, which may repeat points, or be just one.
@@ -28,11 +29,11 @@ pub(super) fn dilated_path(ring: &[GridPoint], disc: &Disc) -> Ring {
         path.extend(ring.first().iter().flat_map(|&&v| corners.iter().map(move |&q| v + q)));
         return path;
     };
-    let mut incoming = vector(ring[last], ring[(last + 1) % n]);
+    let mut incoming = Vector::between(ring[last], ring[(last + 1) % n]);
     let mut from = disc.support(incoming.outward());
     for i in (0..n).filter(|&i| ring[i] != ring[(i + 1) % n]) {
         let v = ring[i];
-        let outgoing = vector(v, ring[(i + 1) % n]);
+        let outgoing = Vector::between(v, ring[(i + 1) % n]);
         let to = disc.support(outgoing.outward());
         let turn = incoming.cross(outgoing);
         path.push(v + corners[from]);
@@ -56,31 +57,4 @@ pub(super) fn eroded_path(ring: &[GridPoint], disc: &Disc) -> Ring {
     let mut path = dilated_path(&reversed, disc);
     path.reverse();
     path
-}
-
-/// A difference of grid points within ±2^30: products of two fit into an `i64`, and so do their
-/// differences.
-#[derive(Debug, Clone, Copy)]
-struct Vector {
-    x: i64,
-    y: i64,
-}
-
-fn vector(a: GridPoint, b: GridPoint) -> Vector {
-    Vector { x: i64::from(b.x) - i64::from(a.x), y: i64::from(b.y) - i64::from(a.y) }
-}
-
-impl Vector {
-    /// The normal of an edge, away from what lies to its left.
-    fn outward(self) -> (i64, i64) {
-        (self.y, -self.x)
-    }
-
-    fn cross(self, other: Self) -> i64 {
-        self.x * other.y - self.y * other.x
-    }
-
-    fn dot(self, other: Self) -> i64 {
-        self.x * other.x + self.y * other.y
-    }
 }

@@ -5,7 +5,7 @@ use csat_proto::frame::{Frame, Label, PixelBox};
 use csat_proto::region::{GridPoint, Region, Ring, grid_point};
 
 use super::pyramid::ground_corners;
-use crate::region::{Disc, Outer};
+use crate::region::{Disc, Outer, turn};
 
 /// The longest run of pixels of one row whose hull is taken at once.
 const MAX_RUN: usize = 16;
@@ -57,11 +57,6 @@ fn convex_hull(mut points: Vec<GridPoint>) -> Option<Ring> {
     if points.is_empty() {
         return None;
     }
-    let turn = |a: GridPoint, b: GridPoint, c: GridPoint| {
-        let (ux, uy) = (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y));
-        let (wx, wy) = (i64::from(c.x) - i64::from(a.x), i64::from(c.y) - i64::from(a.y));
-        i128::from(ux) * i128::from(wy) - i128::from(uy) * i128::from(wx)
-    };
     let mut hull: Ring = Vec::with_capacity(16);
     let mut chain = |points: &mut dyn Iterator<Item = GridPoint>| {
         let start = hull.len();

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::CLEARANCE_M;
 use super::lens::ImageEdge;
 use super::outline::Outline;
+use crate::plane::{cross, minus};
 use crate::scene::{Prism, Scene};
 
 /// Lines that enclose a smaller angle (radians) are split as parallel ones, too.
@@ -93,9 +94,9 @@ impl Visibility {
 
 /// Appends the parameters on `edge` where its image crosses that of `other`.
 fn add_splits(edge: &ImageEdge, other: &ImageEdge, splits: &mut Vec<f64>) {
-    let d = sub(edge.ends[1], edge.ends[0]);
-    let e = sub(other.ends[1], other.ends[0]);
-    let offset = sub(other.ends[0], edge.ends[0]);
+    let d = minus(edge.ends[1], edge.ends[0]);
+    let e = minus(other.ends[1], other.ends[0]);
+    let offset = minus(other.ends[0], edge.ends[0]);
     let sine = cross(d, e);
     let t = cross(offset, d) / sine;
     if (-OVERSHOOT..=1.0 + OVERSHOOT).contains(&t) {
@@ -105,7 +106,7 @@ fn add_splits(edge: &ImageEdge, other: &ImageEdge, splits: &mut Vec<f64>) {
     let e2 = e[0] * e[0] + e[1] * e[1];
     if sine * sine <= PARALLEL * PARALLEL * d2 * e2 && d2 > 0.0 {
         splits.extend(other.ends.map(|end| {
-            let p = sub(end, edge.ends[0]);
+            let p = minus(end, edge.ends[0]);
             (p[0] * d[0] + p[1] * d[1]) / d2
         }));
     }
@@ -131,13 +132,13 @@ pub(super) fn pierces(
     crossings.push(0.0);
     for ring in &prism.rings {
         let Some(&last) = ring.last() else { continue };
-        let mut a = sub(last, start);
+        let mut a = minus(last, start);
         let mut side_a = cross(d, a);
         for &vertex in ring {
-            let b = sub(vertex, start);
+            let b = minus(vertex, start);
             let side_b = cross(d, b);
             if (side_a > 0.0) != (side_b > 0.0) {
-                let e = sub(b, a);
+                let e = minus(b, a);
                 let t = cross(a, e) / cross(d, e);
                 if t > 0.0 && t < 1.0 {
                     crossings.push(t);
@@ -161,10 +162,10 @@ fn is_deep_inside(prism: &Prism, point: [f64; 2]) -> bool {
     let mut inside = false;
     for ring in &prism.rings {
         let Some(&last) = ring.last() else { continue };
-        let mut a = sub(last, point);
+        let mut a = minus(last, point);
         for &vertex in ring {
-            let b = sub(vertex, point);
-            let e = sub(b, a);
+            let b = minus(vertex, point);
+            let e = minus(b, a);
             let e2 = e[0] * e[0] + e[1] * e[1];
             let t = (-(a[0] * e[0] + a[1] * e[1]) / e2).clamp(0.0, 1.0);
             let near = [a[0] + t * e[0], a[1] + t * e[1]];
@@ -178,12 +179,4 @@ fn is_deep_inside(prism: &Prism, point: [f64; 2]) -> bool {
         }
     }
     inside
-}
-
-fn sub(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
 }
