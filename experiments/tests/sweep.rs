@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
+use common::fleet::{end, process, signal, wait_until};
 use common::{SMALL, command, csat, json, names, read, scratch, text};
 
 /// Three ranges and two seeds of a mission that takes a moment.
@@ -99,6 +100,30 @@ fn jobs_resumption_and_shards_change_nothing() {
     assert!(read(&base.path().join("b/report.html")).contains("3 run(s) missing"));
     assert_eq!(csat(base.path(), &["sweep", "--merge", "a", "b"]).status.code(), Some(0));
     check("a");
+}
+
+/// Else the second would remove, as a dead process's, what the first has under way.
+#[test]
+#[cfg(unix)]
+fn two_processes_do_not_fly_the_same_sweep() {
+    let base = scratch();
+    let week = ["--seeds", "1", "--out", "out", "--resume", "--set", "run.duration_s=600000"];
+    let sweep = [&["city", "--vary", "agents.speed_m_s=4,5"], &week[..]].concat();
+    let child = process(base.path(), &[&["sweep"], SMALL, &sweep].concat());
+    wait_until("a mission flies", || {
+        let partial = names_if_there(&base.path().join("out/.partial/1of1"));
+        partial.iter().any(|name| name.ends_with("seed1"))
+    });
+    let expected = ["error: another process is flying the sweep in `out`", "--out"];
+    refused(base.path(), &sweep, &expected);
+    signal(child.id(), "-INT");
+    let output = end(child);
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    assert_eq!(names(&base.path().join("out")), ["runs", "sweep.json"]);
+}
+
+fn names_if_there(folder: &Path) -> Vec<String> {
+    if folder.exists() { names(folder) } else { Vec::new() }
 }
 
 #[test]

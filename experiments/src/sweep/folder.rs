@@ -2,7 +2,9 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use super::lock::ShardLock;
 use super::manifest::Manifest;
 use super::plan::Run;
 use super::record::RunRecord;
@@ -11,6 +13,8 @@ use super::{SweepError, refused_by_system};
 use crate::run_folder::Destination;
 
 const MANIFEST: &str = "sweep.json";
+/// Of what is under way, by shard.
+const PARTIAL: &str = ".partial";
 
 /// A sweep's folder.
 #[derive(Debug, Clone)]
@@ -18,6 +22,8 @@ pub struct SweepFolder {
     root: PathBuf,
     /// Distinguishes the temporary files of processes that share the folder.
     tag: String,
+    /// Keeps other processes from flying the same shard.
+    _lock: Option<Arc<ShardLock>>,
 }
 
 /// How to take a folder.
@@ -57,7 +63,7 @@ pub fn default_root(
 impl SweepFolder {
     /// A folder that holds a sweep, to be read and merged.
     pub fn at(root: &Path) -> Self {
-        Self { root: root.to_owned(), tag: format!("merge-{}", std::process::id()) }
+        Self { root: root.to_owned(), tag: format!("merge-{}", std::process::id()), _lock: None }
     }
 
     /// Takes a folder for a sweep: a new or empty one, or one with the same sweep in it when that is
@@ -68,7 +74,7 @@ impl SweepFolder {
     pub fn take(root: &Path, manifest: &Manifest, taking: Taking) -> Result<Self, SweepError> {
         let Taking { shard, resume } = taking;
         let tag = format!("{}of{}-{}", shard.index, shard.count, std::process::id());
-        let folder = Self { root: root.to_owned(), tag };
+        let folder = Self { root: root.to_owned(), tag, _lock: None };
         let shared = shard.count > 1;
         if !root.join(MANIFEST).exists() {
             folder.refuse_strangers()?;
@@ -106,8 +112,10 @@ impl SweepFolder {
                 )));
             }
         }
+        // Before anything of another process is taken for that of a dead one.
+        let lock = ShardLock::take(&folder, shard)?.map(Arc::new);
         folder.clear_partial(shard)?;
-        Ok(folder)
+        Ok(Self { _lock: lock, ..folder })
     }
 
     /// Its path.
@@ -123,8 +131,9 @@ impl SweepFolder {
             return Err(SweepError::Refused(text));
         }
         let mut names = fs::read_dir(root).into_iter().flatten().flatten().map(|e| e.file_name());
-        let ours =
-            |name: &str| name == MANIFEST || name == "runs" || name.starts_with(".sweep.json.");
+        let ours = |name: &str| {
+            [MANIFEST, "runs", PARTIAL].contains(&name) || name.starts_with(".sweep.json.")
+        };
         match names.find(|name| !ours(&name.to_string_lossy())) {
             None => Ok(()),
             Some(name) => Err(SweepError::Refused(format!(
@@ -240,8 +249,9 @@ impl SweepFolder {
         self.root.join("folders").join(run_name)
     }
 
-    fn partial_of(&self, shard: Shard) -> PathBuf {
-        self.root.join(".partial").join(format!("{}of{}", shard.index, shard.count))
+    /// Where what is of this shard alone is while it flies.
+    pub(super) fn partial_of(&self, shard: Shard) -> PathBuf {
+        self.root.join(PARTIAL).join(format!("{}of{}", shard.index, shard.count))
     }
 
     /// Removes what died in the middle of a run of this shard.
@@ -253,8 +263,6 @@ impl SweepFolder {
         if partial.exists() {
             fs::remove_dir_all(&partial).map_err(|e| refused_by_system("remove", &partial, e))?;
         }
-        // Only when no other shard is at work.
-        let _ = fs::remove_dir(self.root.join(".partial"));
         Ok(())
     }
 }

@@ -11,7 +11,7 @@
 //! | [`plan`] | points and runs |
 //! | [`check`] | every mistake of every combination, before anything flies |
 //! | [`manifest`] | `sweep.json` |
-//! | [`folder`] | where the files are |
+//! | [`folder`], `lock` | where the files are, and that no two processes fly the same |
 //! | [`record`] | the file of one run |
 //! | [`fly`], [`work`] | one mission, many missions |
 //! | [`bar`] | what shows meanwhile |
@@ -23,6 +23,7 @@ pub mod bar;
 pub mod check;
 pub mod fly;
 pub mod folder;
+mod lock;
 pub mod manifest;
 pub mod merge;
 pub mod plan;
