@@ -15,7 +15,7 @@ pub struct Provenance {
     pub rustc: String,
     /// `debug` or `release`.
     pub profile: String,
-    /// The command line.
+    /// The command line of the user: that of `csat spawn` for the world it spawned.
     pub arguments: Vec<String>,
     /// Name of the scenario.
     pub scenario: String,
@@ -49,7 +49,7 @@ impl Provenance {
             git_dirty: option_env!("CSAT_GIT_DIRTY").map(|dirty| dirty == "true"),
             rustc: option_env!("CSAT_RUSTC").unwrap_or("unknown").to_owned(),
             profile: if cfg!(debug_assertions) { "debug" } else { "release" }.to_owned(),
-            arguments: std::env::args().collect(),
+            arguments: command_line(),
             scenario: scenario.to_owned(),
             seed,
             map_attribution,
@@ -61,6 +61,15 @@ impl Provenance {
             },
         }
     }
+}
+
+/// The environment variable in which `csat spawn` tells its world the user's command line, as JSON.
+pub const SPAWNED_BY: &str = "CSAT_SPAWNED_BY";
+
+fn command_line() -> Vec<String> {
+    let spawned_by = std::env::var(SPAWNED_BY).ok();
+    let told = spawned_by.and_then(|line| serde_json::from_str(&line).ok());
+    told.unwrap_or_else(|| std::env::args().collect())
 }
 
 fn cpu_model() -> Option<String> {

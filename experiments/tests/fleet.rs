@@ -43,6 +43,11 @@ fn lockstep_gives_to_the_last_byte_what_one_process_gives() {
         }
         let log = read(&folder.path().join("out/agent-1.log"));
         assert!(log.contains("the mission is over"), "{log}");
+        // What flies it again is what the user said, not what processes said to each other.
+        let line = json(&folder.path().join("out/provenance.json"))["arguments"].clone();
+        let length = ["csat", "spawn"].len() + mission.len() + ["--listen", "", "--out", ""].len();
+        assert_eq!(line[1], "spawn", "{line}");
+        assert_eq!(line.as_array().map(Vec::len), Some(length + sets.len()), "{line}");
         expect_nobody(&endpoint);
     }
 }

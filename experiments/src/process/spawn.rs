@@ -19,6 +19,7 @@ use tokio::task::JoinSet;
 
 use super::arguments::PaceArguments;
 use crate::cli::RunArguments;
+use crate::provenance::SPAWNED_BY;
 use crate::scenario::Loaded;
 use crate::verdict::{FAILED, INTERRUPTED};
 use crate::wire::session::DEFAULT_ENDPOINT;
@@ -198,6 +199,8 @@ impl Nursery<'_> {
     fn world(&self) -> Result<Child, SpawnError> {
         let SpawnArguments { run, pace, .. } = self.arguments;
         let mut command = self.command("world")?;
+        let line: Vec<String> = std::env::args().collect();
+        command.env(SPAWNED_BY, serde_json::Value::from(line).to_string());
         command.args(&run.scenario.scenario);
         for set in &run.scenario.sets {
             command.arg("--set").arg(set);
