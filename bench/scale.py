@@ -150,7 +150,7 @@ def draw(name, x_label, y_label, curves):
     places = sorted({x for _, points in curves for x, _ in points})
     places = [x for x, before in zip(places, [0, *places]) if x > 1.1 * before]
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_xticks(places, [f"{x:.6g}" for x in places])
+    axes.set_xticks(places, [f"{x:.3g}" if x < 100 else f"{x:.0f}" for x in places])
     axes.grid(True, which="both", alpha=0.25)
     axes.legend(fontsize="small")
     figure.tight_layout()
