@@ -63,8 +63,13 @@ impl Provenance {
     }
 }
 
-/// The environment variable in which `csat spawn` tells its world the user's command line, as JSON.
-pub const SPAWNED_BY: &str = "CSAT_SPAWNED_BY";
+const SPAWNED_BY: &str = "CSAT_SPAWNED_BY";
+
+/// The environment variable, and its value, in which `csat spawn` tells its world the user's command
+/// line.
+pub fn spawned_by() -> (&'static str, String) {
+    (SPAWNED_BY, serde_json::Value::from(command_line()).to_string())
+}
 
 fn command_line() -> Vec<String> {
     let spawned_by = std::env::var(SPAWNED_BY).ok();

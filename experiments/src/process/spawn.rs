@@ -19,7 +19,7 @@ use tokio::task::JoinSet;
 
 use super::arguments::PaceArguments;
 use crate::cli::RunArguments;
-use crate::provenance::SPAWNED_BY;
+use crate::provenance::spawned_by;
 use crate::scenario::Loaded;
 use crate::verdict::{FAILED, INTERRUPTED};
 use crate::wire::session::DEFAULT_ENDPOINT;
@@ -199,8 +199,7 @@ impl Nursery<'_> {
     fn world(&self) -> Result<Child, SpawnError> {
         let SpawnArguments { run, pace, .. } = self.arguments;
         let mut command = self.command("world")?;
-        let line: Vec<String> = std::env::args().collect();
-        command.env(SPAWNED_BY, serde_json::Value::from(line).to_string());
+        command.envs([spawned_by()]);
         command.args(&run.scenario.scenario);
         for set in &run.scenario.sets {
             command.arg("--set").arg(set);

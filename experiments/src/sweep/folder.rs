@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use super::lock::ShardLock;
 use super::manifest::Manifest;
@@ -17,13 +16,13 @@ const MANIFEST: &str = "sweep.json";
 const PARTIAL: &str = ".partial";
 
 /// A sweep's folder.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct SweepFolder {
     root: PathBuf,
     /// Distinguishes the temporary files of processes that share the folder.
     tag: String,
     /// Keeps other processes from flying the same shard.
-    _lock: Option<Arc<ShardLock>>,
+    _lock: Option<ShardLock>,
 }
 
 /// How to take a folder.
@@ -113,9 +112,9 @@ impl SweepFolder {
             }
         }
         // Before anything of another process is taken for that of a dead one.
-        let lock = ShardLock::take(&folder, shard)?.map(Arc::new);
+        let lock = ShardLock::take(&folder, shard)?;
         folder.clear_partial(shard)?;
-        Ok(Self { _lock: lock, ..folder })
+        Ok(Self { _lock: Some(lock), ..folder })
     }
 
     /// Its path.

@@ -10,8 +10,8 @@ use super::folder::SweepFolder;
 use super::seeds::Shard;
 use super::{SweepError, refused_by_system};
 
-/// A shard that no other process may take. The system lets go of it with the process, however that
-/// ends; the file goes when this is dropped.
+/// A shard that no other process may take, where the file system has locks. The system lets go of it with
+/// the process, however that ends; the file goes when this is dropped.
 #[derive(Debug)]
 pub(super) struct ShardLock {
     path: PathBuf,
@@ -19,11 +19,11 @@ pub(super) struct ShardLock {
 }
 
 impl ShardLock {
-    /// Takes a shard. `None` on a file system without locks.
+    /// Takes a shard.
     ///
     /// # Errors
     /// When another process has it, or the system refuses.
-    pub(super) fn take(folder: &SweepFolder, shard: Shard) -> Result<Option<Self>, SweepError> {
+    pub(super) fn take(folder: &SweepFolder, shard: Shard) -> Result<Self, SweepError> {
         let path = folder.partial_of(shard).with_extension("lock");
         let refused = |what, error| refused_by_system(what, &path, error);
         loop {
@@ -33,11 +33,11 @@ impl ShardLock {
                 file => file.map_err(|error| refused("create", error))?,
             };
             match file.try_lock() {
-                Ok(()) if is_at(&file, &path) => return Ok(Some(Self { path, _file: file })),
                 // Whoever had it has just removed the file.
-                Ok(()) => {}
+                Ok(()) if !is_at(&file, &path) => {}
+                // Without locks nobody can know.
+                Ok(()) | Err(TryLockError::Error(_)) => return Ok(Self { path, _file: file }),
                 Err(TryLockError::WouldBlock) => return Err(taken(folder, shard)),
-                Err(TryLockError::Error(_)) => return Ok(None),
             }
         }
     }
@@ -85,7 +85,7 @@ mod tests {
         let base = scratch("lock");
         let folder = SweepFolder::at(&base);
         let [first, second] = ["1/2", "2/2"].map(|text| Shard::parse(text).unwrap());
-        let held = ShardLock::take(&folder, first).unwrap().unwrap();
+        let held = ShardLock::take(&folder, first).unwrap();
         let refusal = ShardLock::take(&folder, first).unwrap_err().to_string();
         assert!(
             refusal.starts_with("error: another process is flying shard 1/2 of the sweep in `")
@@ -104,6 +104,8 @@ mod tests {
         let base = scratch("lock-dead");
         fs::create_dir(base.join(".partial")).unwrap();
         File::create(base.join(".partial/1of1.lock")).unwrap();
-        assert!(ShardLock::take(&SweepFolder::at(&base), Shard::WHOLE).unwrap().is_some());
+        let folder = SweepFolder::at(&base);
+        let _held = ShardLock::take(&folder, Shard::WHOLE).unwrap();
+        assert!(ShardLock::take(&folder, Shard::WHOLE).is_err());
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::CLEARANCE_M;
 use super::lens::ImageEdge;
 use super::outline::Outline;
-use crate::plane::{cross, minus};
+use crate::plane::{between, cross, dot, minus};
 use crate::scene::{Prism, Scene};
 
 /// Lines that enclose a smaller angle (radians) are split as parallel ones, too.
@@ -102,13 +102,9 @@ fn add_splits(edge: &ImageEdge, other: &ImageEdge, splits: &mut Vec<f64>) {
     if (-OVERSHOOT..=1.0 + OVERSHOOT).contains(&t) {
         splits.push(cross(offset, e) / sine);
     }
-    let d2 = d[0] * d[0] + d[1] * d[1];
-    let e2 = e[0] * e[0] + e[1] * e[1];
-    if sine * sine <= PARALLEL * PARALLEL * d2 * e2 && d2 > 0.0 {
-        splits.extend(other.ends.map(|end| {
-            let p = minus(end, edge.ends[0]);
-            (p[0] * d[0] + p[1] * d[1]) / d2
-        }));
+    let d2 = dot(d, d);
+    if sine * sine <= PARALLEL * PARALLEL * d2 * dot(e, e) && d2 > 0.0 {
+        splits.extend(other.ends.map(|end| dot(minus(end, edge.ends[0]), d) / d2));
     }
 }
 
@@ -166,10 +162,8 @@ fn is_deep_inside(prism: &Prism, point: [f64; 2]) -> bool {
         for &vertex in ring {
             let b = minus(vertex, point);
             let e = minus(b, a);
-            let e2 = e[0] * e[0] + e[1] * e[1];
-            let t = (-(a[0] * e[0] + a[1] * e[1]) / e2).clamp(0.0, 1.0);
-            let near = [a[0] + t * e[0], a[1] + t * e[1]];
-            if near[0] * near[0] + near[1] * near[1] <= CLEARANCE_M * CLEARANCE_M {
+            let near = between(a, b, (-dot(a, e) / dot(e, e)).clamp(0.0, 1.0));
+            if dot(near, near) <= CLEARANCE_M * CLEARANCE_M {
                 return false;
             }
             if (a[1] <= 0.0) != (b[1] <= 0.0) && (a[0] - a[1] * e[0] / e[1] > 0.0) {
