@@ -22,14 +22,28 @@ impl Ground {
     }
 }
 
+/// How the cars drive; agents never know.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Driving {
+    /// On the roads, each at a constant speed of its own between 0 and v_max (5.34).
+    #[default]
+    Roads,
+    /// Off the roads at v_max, as badly as the model allows: straight on and along walls, away from the
+    /// UAVs, or into the ground that a UAV has just looked at.
+    Evasive,
+}
+
 /// `[targets]`: how many cars there are, what bounds their motion and their shape.
 ///
-/// Agents know everything here but `count`.
+/// Agents use everything here but `count` and `driving`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TargetsModel {
     /// N^t, the true number of targets.
     pub count: u16,
+    /// How they drive.
+    pub driving: Driving,
     /// v_max, the bound on a target's speed, in m/s.
     pub v_max_m_s: f64,
     /// r_s^to: a target's location is always farther than this from any obstacle, in metres (3.8).
@@ -48,6 +62,7 @@ impl Default for TargetsModel {
     fn default() -> Self {
         Self {
             count: 8,
+            driving: Driving::Roads,
             v_max_m_s: 1.0,
             obstacle_distance_m: 2.5,
             target_distance_m: 8.0,

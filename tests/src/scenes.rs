@@ -92,6 +92,7 @@ fn config(rng: &mut ChaCha8Rng) -> AgentConfig {
         radius_m: half_diagonal_m + *[1e-9, 0.03, 0.5].choose(rng).expect("some"),
         cylinder_height_m: body_m[2],
         body_m,
+        ..TargetsModel::default()
     };
     let estimator = EstimatorConfig {
         disc_vertices: *[8, 16, 24].choose(rng).expect("some"),

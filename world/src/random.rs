@@ -13,6 +13,8 @@ pub(crate) enum Purpose {
     Buildings,
     /// Everything one car decides.
     Car(TargetId),
+    /// What one car wants when it evades.
+    Evader(TargetId),
 }
 
 /// The stream of `purpose` under the scenario's `seed`.
@@ -23,6 +25,7 @@ pub(crate) fn stream(seed: u64, purpose: Purpose) -> ChaCha8Rng {
         Purpose::Streets => (*b"road", 0),
         Purpose::Buildings => (*b"town", 0),
         Purpose::Car(id) => (*b"cars", u32::from(id.0)),
+        Purpose::Evader(id) => (*b"evad", u32::from(id.0)),
     };
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(u64::from(u32::from_be_bytes(tag)) << 32 | u64::from(who));
@@ -43,10 +46,11 @@ mod tests {
             first(1, Purpose::Buildings),
             first(1, Purpose::Car(TargetId(0))),
             first(1, Purpose::Car(TargetId(1))),
+            first(1, Purpose::Evader(TargetId(1))),
         ];
         assert_eq!(draws[0], first(1, Purpose::Streets));
         draws.sort_unstable();
         draws.dedup();
-        assert_eq!(draws.len(), 5);
+        assert_eq!(draws.len(), 6);
     }
 }

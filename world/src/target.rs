@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use csat_proto::ids::TargetId;
-use csat_proto::model::TargetsModel;
+use csat_proto::model::{Driving, TargetsModel};
 use rand::RngExt;
 use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
@@ -12,6 +12,10 @@ use crate::plane::{Point, distance_m};
 use crate::random::{Purpose, stream};
 use crate::road::{Arm, RoadGraph};
 use crate::scene::{Entity, Prism};
+
+mod evade;
+
+pub(crate) use evade::{Chase, Watcher};
 
 /// Bound on the rate at which a car's body turns, rad/s.
 pub const MAX_TURN_RATE_RAD_S: f64 = 1.0;
@@ -106,6 +110,10 @@ struct Car {
     waited: u32,
     /// Steps after which it turns round: its own, so that no two stay locked in step.
     patience: u32,
+    /// What it wants when it evades.
+    manner: evade::Manner,
+    /// Where it last drove when it evades, counter-clockwise from east, radians.
+    course_rad: f64,
 }
 
 /// Where on the graph, and which way.
@@ -147,18 +155,21 @@ impl Traffic {
         let mut traffic = Self { cars: Vec::new(), truths: Vec::new(), separation_m };
         for id in (0..model.count).map(TargetId) {
             let mut rng = stream(seed, Purpose::Car(id));
-            let speed_m_s = rng.random_range(0.0..=model.v_max_m_s);
+            let drawn_m_s = rng.random_range(0.0..=model.v_max_m_s);
+            let speed_m_s = match model.driving {
+                Driving::Roads => drawn_m_s,
+                Driving::Evasive => model.v_max_m_s,
+            };
             let patience = rng.random_range(4..=12);
             let forward = rng.random_bool(0.5);
             let Some((edge, along_m)) = traffic.find_room(roads, &mut rng) else { continue };
             let place = Place { arm: Arm { edge, forward }, along_m };
-            traffic.cars.push(Car { place, rng, waited: 0, patience });
-            traffic.truths.push(TargetTruth {
-                id,
-                location: place.point(roads),
-                heading_rad: place.heading_rad(roads),
-                speed_m_s,
-            });
+            let manner = evade::Manner::draw(&mut stream(seed, Purpose::Evader(id)));
+            let heading_rad = place.heading_rad(roads);
+            let car = Car { place, rng, waited: 0, patience, manner, course_rad: heading_rad };
+            traffic.cars.push(car);
+            let location = place.point(roads);
+            traffic.truths.push(TargetTruth { id, location, heading_rad, speed_m_s });
         }
         let placed = traffic.cars.len() as u16;
         if placed == model.count {
@@ -194,7 +205,7 @@ impl Traffic {
         })
     }
 
-    /// Lets one period of `period_s` seconds pass.
+    /// Lets one period of `period_s` seconds pass on the roads.
     pub fn advance(&mut self, roads: &RoadGraph, period_s: f64) {
         for index in 0..self.cars.len() {
             let truth = self.truths[index];

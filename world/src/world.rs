@@ -2,14 +2,14 @@
 
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::ids::AgentId;
-use csat_proto::model::{FleetModel, Ground, TargetsModel};
+use csat_proto::model::{Driving, FleetModel, Ground, TargetsModel};
 use csat_proto::time::Step;
 
 use crate::map::{self, Map, MapConfig, MapError, MapRules, MapWarning};
 use crate::obstacle::{Obstacle, Walls};
 use crate::road::{RoadGraph, RoadRules};
 use crate::scene::{Prism, Scene};
-use crate::target::{PlacementError, TargetTruth, Traffic, road_clearance_m};
+use crate::target::{Chase, PlacementError, TargetTruth, Traffic, Watcher, road_clearance_m};
 use crate::truth::Monitor;
 use crate::uav::{Quadcopter, Vehicle, YawCommand};
 
@@ -110,6 +110,11 @@ impl std::fmt::Display for WorldErrors {
 
 impl std::error::Error for WorldErrors {}
 
+/// How far inside the region's border the locations of cars stay, metres.
+fn inset_m(targets: &TargetsModel) -> f64 {
+    targets.radius_m + BORDER_M
+}
+
 /// The fleet has no such UAV, or the command is no angle.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("UAV {agent} of {count}: command to yaw {yaw_rad} rad")]
@@ -128,6 +133,7 @@ pub struct World {
     config: WorldConfig,
     map: Map,
     prisms: Vec<Prism>,
+    walls: Walls,
     roads: RoadGraph,
     traffic: Traffic,
     vehicles: Vec<Box<dyn Vehicle>>,
@@ -176,8 +182,11 @@ impl World {
         };
         let clearance_m = road_clearance_m(&config.targets);
         let walls = Walls::new(&map.obstacles);
-        let inset_m = config.targets.radius_m + BORDER_M;
-        let rules = RoadRules { inset_m, clearance_m, min_network_m: MIN_NETWORK_M };
+        let rules = RoadRules {
+            inset_m: inset_m(&config.targets),
+            clearance_m,
+            min_network_m: MIN_NETWORK_M,
+        };
         let roads = RoadGraph::build(&map.ground, &map.roads, &walls, &rules);
         let traffic = match Traffic::place(&roads, map.roads.len(), &config.targets, seed) {
             Ok(traffic) => traffic,
@@ -192,16 +201,35 @@ impl World {
             .map(|q| Box::new(q) as Box<dyn Vehicle>)
             .collect();
         let config = config.clone();
-        Ok(Self { config, map, prisms, roads, traffic, vehicles, step: Step(0) })
+        Ok(Self { config, map, prisms, walls, roads, traffic, vehicles, step: Step(0) })
     }
 
     /// Lets one period T pass: k becomes k + 1.
     pub fn advance(&mut self) {
-        self.traffic.advance(&self.roads, self.config.period_s);
+        match self.config.targets.driving {
+            Driving::Roads => self.traffic.advance(&self.roads, self.config.period_s),
+            Driving::Evasive => self.evade(),
+        }
         for vehicle in &mut self.vehicles {
             vehicle.advance(self.config.period_s);
         }
         self.step.0 += 1;
+    }
+
+    /// Lets the cars evade for one period what the UAVs see at its beginning.
+    fn evade(&mut self) {
+        let WorldConfig { targets, camera, period_s, .. } = &self.config;
+        let watcher = |pose: &Pose| {
+            Watcher::new([pose.p_world[0], pose.p_world[1]], &camera.at(pose).footprint())
+        };
+        let watchers: Vec<Watcher> = self.poses().iter().map(watcher).collect();
+        let chase = Chase {
+            ground: Ground { size_m: self.map.ground.size_m.map(|s| s - 2.0 * inset_m(targets)) },
+            walls: &self.walls,
+            clearance_m: road_clearance_m(targets),
+            watchers: &watchers,
+        };
+        self.traffic.evade(&chase, *period_s);
     }
 
     /// Commands a UAV, from now on.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use csat_proto::ids::TargetId;
+use csat_proto::model::Driving;
 use csat_world::map::{MapConfig, MapKind};
 use csat_world::obstacle::Obstacle;
 use csat_world::truth::Knowledge;
@@ -62,6 +63,37 @@ fn separations_hold_for_300_seconds() {
             let moved =
                 world.targets().iter().zip(&start).filter(|(a, b)| a.location != b.location);
             assert!(moved.count() >= 6, "{name}, seed {seed}: cars stand still");
+        }
+    }
+}
+
+#[test]
+fn cars_that_evade_use_all_that_the_model_allows_and_no_more() {
+    for (name, mut config) in worlds() {
+        config.targets.driving = Driving::Evasive;
+        for seed in 0..3 {
+            let mut world = World::new(&config, seed).unwrap();
+            let mut monitor = world.monitor();
+            let (mut moves, mut at_v_max, mut off_road) = (0, 0, 0);
+            for _ in 0..300 {
+                let before = world.targets().to_vec();
+                let violations = monitor.check(world.step(), &[&Ignorant], world.targets());
+                assert_eq!(violations, [], "{name}, seed {seed}");
+                world.advance();
+                for (now, before) in world.targets().iter().zip(&before) {
+                    let d = [0, 1].map(|i| now.location[i] - before.location[i]);
+                    let limit_m = config.targets.v_max_m_s * config.period_s;
+                    moves += 1;
+                    at_v_max += u32::from(d[0].hypot(d[1]) > limit_m - 1e-9);
+                    let road = world.roads().edges().iter().map(|edge| {
+                        let line = geo::LineString::from(edge.line.clone());
+                        Euclidean.distance(&Point::from(now.location), &line)
+                    });
+                    off_road += u32::from(road.fold(f64::INFINITY, f64::min) > 1.0);
+                }
+            }
+            assert!(at_v_max * 10 > moves * 9, "{name}, seed {seed}: {at_v_max} of {moves}");
+            assert!(off_road * 2 > moves, "{name}, seed {seed}: {off_road} of {moves}");
         }
     }
 }
