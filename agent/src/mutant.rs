@@ -46,11 +46,25 @@ pub enum Mutant {
     MapNeverRepaired,
     /// A number heard once is heard for all lives.
     RepeatsOfOtherLivesIgnored,
+    /// After missed frames sets are grown for one period too few.
+    GapOnePeriodShort,
+    /// For missed frames the sets of targets are grown, and X̄ is not.
+    GapGrowsTargetsOnly,
+    /// A target seen first was in X̄ as it was a period ago.
+    FirstSeenNotDilated,
+    /// Facts are aged as if all clocks were one.
+    ClockSkewOfFactsIgnored,
+    /// The same for what others knew.
+    ClockSkewOfSnapshotsIgnored,
+    /// The polygon that stands for what a target may do in a period lies within the disc.
+    ReachInscribed,
+    /// The monitor allows a target to be a metre outside of its set.
+    MonitorLenient,
 }
 
 impl Mutant {
     /// All of them.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 26] = [
         Self::LateSnapshotNotDilated,
         Self::UnexploredWithoutIdentified,
         Self::ExclusionWithoutDetection,
@@ -70,6 +84,13 @@ impl Mutant {
         Self::NeverRepairs,
         Self::MapNeverRepaired,
         Self::RepeatsOfOtherLivesIgnored,
+        Self::GapOnePeriodShort,
+        Self::GapGrowsTargetsOnly,
+        Self::FirstSeenNotDilated,
+        Self::ClockSkewOfFactsIgnored,
+        Self::ClockSkewOfSnapshotsIgnored,
+        Self::ReachInscribed,
+        Self::MonitorLenient,
     ];
 }
 
@@ -84,12 +105,12 @@ pub fn switch(mutant: Option<Mutant>) {
 
 /// Whether to make this mistake.
 #[cfg(feature = "mutants")]
-pub(crate) fn is_on(mutant: Mutant) -> bool {
+pub fn is_on(mutant: Mutant) -> bool {
     ACTIVE.load(std::sync::atomic::Ordering::Relaxed) == mutant as u8
 }
 
 /// Whether to make this mistake.
 #[cfg(not(feature = "mutants"))]
-pub(crate) const fn is_on(_: Mutant) -> bool {
+pub const fn is_on(_: Mutant) -> bool {
     false
 }

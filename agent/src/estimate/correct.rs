@@ -42,6 +42,9 @@ pub(super) fn correct(knowledge: &mut Knowledge, predicted: &Predicted, evidence
                 if is_on(Mutant::DetectionAfterExclusion) && before.is_none() {
                     set = predicted.unexplored.minus(disproved(None));
                 }
+                if is_on(Mutant::FirstSeenNotDilated) && before.is_none() {
+                    set = knowledge.unexplored.clone();
+                }
                 locations
                     .fold(set, |set, location| set.intersection(location))
                     .minus(disproved(Some(j)))

@@ -77,16 +77,18 @@ impl Ager {
         }
     }
 
-    /// The disc a target may move in between two steps; `None` if it cannot have moved.
-    pub fn reach(&self, a: Step, b: Step) -> Option<Reach> {
+    /// The disc a target may move in between two steps of two clocks; `None` if it cannot have moved.
+    /// `forgotten` is the mistake of not knowing that the clocks may differ.
+    pub fn reach(&self, a: Step, b: Step, forgotten: Mutant) -> Option<Reach> {
         let age_s = f64::from(a.0.abs_diff(b.0)) * self.period_s;
-        let radius_m = self.v_max_m_s * (age_s + self.clock_skew_s);
+        let skew_s = if is_on(forgotten) { 0.0 } else { self.clock_skew_s };
+        let radius_m = self.v_max_m_s * (age_s + skew_s);
         (radius_m > 0.0).then(|| Reach::new(radius_m, self.vertices))
     }
 
     /// What a fact proves at step `now`.
     pub fn evidence(&self, fact: &Fact, now: Step) -> Evidence {
-        let reach = self.reach(now, fact.step);
+        let reach = self.reach(now, fact.step, Mutant::ClockSkewOfFactsIgnored);
         let reach = reach.as_ref();
         let unless = |mutant| reach.filter(|_| !is_on(mutant));
         let targets = fact.targets.iter().map(|seen| MeasuredTarget {

@@ -36,7 +36,7 @@ pub(super) fn fuse<'a>(
 fn merge(knowledge: &mut Knowledge, before: &Knowledge, known: &Known, ager: &Ager) {
     let reach = match is_on(Mutant::LateSnapshotNotDilated) {
         true => None,
-        false => ager.reach(knowledge.step, known.step),
+        false => ager.reach(knowledge.step, known.step, Mutant::ClockSkewOfSnapshotsIgnored),
     };
     let meet = |own: &Outer, before: &Outer, their: &Region| {
         if reach.is_none() && before.region() == their {

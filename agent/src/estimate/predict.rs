@@ -38,8 +38,13 @@ impl Predictor {
         let guidance = &config.guidance;
         let horizon_s = f64::from(guidance.n_mpc) * guidance.period_s;
         let radius_m = config.targets.v_max_m_s * config.period_s;
+        let vertices = config.estimator.disc_vertices;
+        let shrunk = match is_on(Mutant::ReachInscribed) {
+            true => (std::f64::consts::PI / f64::from(vertices)).cos(),
+            false => 1.0,
+        };
         Self {
-            reach: Disc::circumscribed(radius_m, config.estimator.disc_vertices),
+            reach: Disc::circumscribed(shrunk * radius_m, vertices),
             simplify_m: config.estimator.simplify_m.max(SLIVER_M),
             hidden_steps: (horizon_s / config.period_s).round() as u32,
         }
@@ -49,10 +54,13 @@ impl Predictor {
     ///
     /// An agent that missed frames grows its sets for each of them: the targets moved all the same.
     pub fn catch_up(&self, knowledge: &mut Knowledge, step: Step) {
-        while knowledge.step.0 + 1 < step.0 {
+        let behind = if is_on(Mutant::GapOnePeriodShort) { 2 } else { 1 };
+        while knowledge.step.0 + behind < step.0 {
             let Predicted { targets, unexplored } = self.grown(knowledge);
             knowledge.targets = targets.iter().map(|(&j, set)| (j, set.resolved())).collect();
-            knowledge.unexplored = unexplored.resolved();
+            if !is_on(Mutant::GapGrowsTargetsOnly) {
+                knowledge.unexplored = unexplored.resolved();
+            }
             knowledge.step.0 += 1;
         }
     }

@@ -6,9 +6,12 @@ use csat_netem::config::{
     DelayConfig, JammerConfig, LossConfig, NetemConfig, OutageConfig, OutageKind, PartitionConfig,
     RateConfig,
 };
+use csat_proto::model::Driving;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::Exercise;
+use super::faulty::{Faulty, Handicap};
 use crate::missions::{small, world_of};
 
 /// Steps with faults.
@@ -27,6 +30,8 @@ pub struct Draw {
     pub core: Vec<u16>,
     /// Steps until the core has to agree.
     pub settle_steps: u32,
+    /// What is wrong with each agent's clock and camera, by index.
+    pub handicaps: Vec<Handicap>,
 }
 
 impl Draw {
@@ -42,15 +47,36 @@ impl Draw {
         let core = if core.len() < 2 { vec![0, 1] } else { core };
         let healed = healed(&core, count, end_s, rng.random());
         let settle_steps = settle_steps(&scenario, core.len() as u32);
-        Self { scenario, steps: STEPS, healed, core, settle_steps }
+        let handicaps = handicaps(&mut scenario, &mut rng);
+        if rng.random_bool(0.5) {
+            scenario.targets.driving = Driving::Evasive;
+        }
+        Self { scenario, steps: STEPS, healed, core, settle_steps, handicaps }
     }
 
-    /// Whether the core has to agree in the end: what only facts carry is lost with them, and what
-    /// did not fit a budget was never said.
+    /// The mission, with what is wrong with its agents.
+    pub fn mission(&self) -> Faulty {
+        Faulty::new(&self.scenario, self.handicaps.clone())
+    }
+
+    /// What the seed exercises, as far as the draw tells.
+    pub fn exercise(&self) -> Exercise {
+        let missed = self.handicaps.iter().flat_map(|h| h.missed.clone().into_iter().flatten());
+        Exercise {
+            missed: missed.count() as u64,
+            skewed: self.handicaps.iter().any(|h| h.ahead != self.handicaps[0].ahead).into(),
+            evasive: (self.scenario.targets.driving == Driving::Evasive).into(),
+            ..Exercise::default()
+        }
+    }
+
+    /// Whether the core has to agree in the end: what only facts carry is lost with them, what did not
+    /// fit a budget was never said, and at one instant different clocks ask for different sets.
     pub fn must_converge(&self) -> bool {
         let exchange = &self.scenario.exchange;
         matches!(exchange.mode, ExchangeMode::FactsRepair | ExchangeMode::Snapshot)
             && exchange.budget_bytes_s.is_infinite()
+            && exchange.clock_skew_s == 0.0
     }
 
     /// Whether each of the core says what it knows while it settles, whatever digests tell.
@@ -59,6 +85,23 @@ impl Draw {
         exchange.mode == ExchangeMode::Snapshot
             || exchange.snapshot_period_s <= f64::from(self.settle_steps) * run.period_s
     }
+}
+
+/// Clocks that differ by as much as the agents allow for, and frames that are missed, several in a row.
+fn handicaps(scenario: &mut Scenario, rng: &mut ChaCha8Rng) -> Vec<Handicap> {
+    let skew = if rng.random_bool(0.25) { rng.random_range(1..=4) } else { 0 };
+    scenario.exchange.clock_skew_s = f64::from(skew) * scenario.run.period_s;
+    let misses = rng.random_bool(0.35);
+    let handicap = |_| {
+        let ahead = if rng.random_bool(0.5) { skew } else { 0 };
+        let gaps = if misses { rng.random_range(0..4) } else { 0 };
+        let gap = |_| {
+            let from = rng.random_range(0..STEPS);
+            from..(from + rng.random_range(1..=8)).min(STEPS)
+        };
+        Handicap { ahead, missed: (0..gaps).map(gap).collect() }
+    };
+    (0..scenario.agents.count).map(handicap).collect()
 }
 
 /// A town of a few blocks; another one when the cars find no room.

@@ -4,20 +4,22 @@ use std::collections::BTreeMap;
 
 use csat_agent::agent::Event;
 use csat_experiments::engine::{LifeEvent, StepTrace};
-use csat_experiments::set_membership::SetMembership;
+use csat_experiments::plug::Mission;
 use csat_netem::link::Arrival;
 use csat_proto::envelope::Envelope;
-use csat_proto::ids::{AgentId, ChannelId, Incarnation};
+use csat_proto::ids::{AgentId, ChannelId, Incarnation, TargetId};
 use csat_proto::message::{Fact, Known, Message};
-use csat_proto::region::Region;
+use csat_proto::region::{Region, metres};
 use csat_proto::time::Step;
+use csat_world::truth::GUARANTEE_TOLERANCE_M;
 
 use super::claims::Claims;
 use super::draw::Draw;
+use super::faulty::Faulty;
 use super::{Exercise, Swarm, merge};
 
 /// ε of the guarantee, metres.
-const TOLERANCE_M: f64 = 1e-3;
+const TOLERANCE_M: f64 = GUARANTEE_TOLERANCE_M;
 
 /// Identity of a message: sender, life, radio, number.
 type Identity = (AgentId, Incarnation, ChannelId, u64);
@@ -26,6 +28,11 @@ type Identity = (AgentId, Incarnation, ChannelId, u64);
 pub struct Laws {
     period_s: f64,
     max_age_s: f64,
+    clock_skew_s: f64,
+    mission: Faulty,
+    /// By how many steps each agent's clock is ahead.
+    ahead: Vec<u32>,
+    misses_frames: bool,
     /// Where the targets were, by step.
     truth: Vec<Vec<[f64; 2]>>,
     /// What was said under each identity, as a checksum.
@@ -41,7 +48,7 @@ pub struct Laws {
 }
 
 /// What happened in a step.
-pub type Trace = StepTrace<SetMembership>;
+pub type Trace = StepTrace<Faulty>;
 
 impl Laws {
     /// Before the first step.
@@ -49,6 +56,10 @@ impl Laws {
         Self {
             period_s: draw.scenario.run.period_s,
             max_age_s: draw.scenario.exchange.max_age_s,
+            clock_skew_s: draw.scenario.exchange.clock_skew_s,
+            mission: draw.mission(),
+            ahead: draw.handicaps.iter().map(|handicap| handicap.ahead).collect(),
+            misses_frames: draw.handicaps.iter().any(|handicap| !handicap.missed.is_empty()),
             truth: Vec::new(),
             said: BTreeMap::new(),
             believed: BTreeMap::new(),
@@ -82,9 +93,10 @@ impl Laws {
         {
             return Err(format!("UAV {agent}: {event:?}"));
         }
+        self.check_monitor(trace)?;
         self.check_said(trace)?;
         for arrival in &trace.arrivals {
-            self.hear(engine, trace.step, arrival)?;
+            self.hear(engine, arrival)?;
         }
         self.check_rejections(engine)?;
         self.exercise.merged += merge::check(engine, trace)?;
@@ -101,9 +113,32 @@ impl Laws {
             dropped: counters.dropped.values().sum(),
             corrupted: counters.corrupted,
             duplicated: counters.duplicated,
-            identified: seats.map(|s| s.agent.knowledge().targets.len() as u64).sum(),
+            identified: seats.map(|s| s.agent.inner.knowledge().targets.len() as u64).sum(),
             ..self.exercise
         }
+    }
+
+    /// The monitor admits a target half of ε beyond the northern end of its set, and not two of them.
+    fn check_monitor(&self, trace: &Trace) -> Result<(), String> {
+        let count = self.truth.last().map_or(0, Vec::len) as u16;
+        for report in trace.flown.iter().filter_map(|flown| flown.report.as_ref()) {
+            for target in (0..count).map(TargetId) {
+                let corners = report.inner.set_of(target).rings().flatten();
+                let Some(north) = corners.max_by_key(|p| p.y) else { continue };
+                let [x, y] = metres(*north);
+                let admits = |beyond: f64| {
+                    let p = [x, y + beyond * TOLERANCE_M];
+                    self.mission.admits(report, target, p, TOLERANCE_M)
+                };
+                if !admits(0.5) || admits(2.0) {
+                    return Err(format!(
+                        "the monitor is not sharp at {:?}, target {target}",
+                        [x, y]
+                    ));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Every message has an identity of its own and says the truth about its step.
@@ -133,23 +168,30 @@ impl Laws {
 
     fn check_truth(&self, src: AgentId, message: &Message) -> Result<(), String> {
         match message {
-            Message::Fact(fact) => self.check_fact(fact),
+            Message::Fact(fact) => self.check_fact(src, fact),
             Message::Snapshot(snapshot) => {
-                self.check_fact(&snapshot.fact)?;
-                self.check_known(&snapshot.known)
+                self.check_fact(src, &snapshot.fact)?;
+                self.check_known(src, &snapshot.known)
             }
             Message::Plan(_) => Ok(()),
         }
         .map_err(|law| format!("UAV {src} said: {law}"))
     }
 
-    fn at(&self, step: Step) -> Result<impl Iterator<Item = (usize, [f64; 2])> + '_, String> {
-        let truth = self.truth.get(step.0 as usize).ok_or(format!("step {step} is yet to come"))?;
+    /// Where the targets were at a step of an agent's clock.
+    fn at(
+        &self,
+        clock: AgentId,
+        step: Step,
+    ) -> Result<impl Iterator<Item = (usize, [f64; 2])> + '_, String> {
+        let world_step = step.0.saturating_sub(self.ahead[usize::from(clock.0)]);
+        let truth = self.truth.get(world_step as usize);
+        let truth = truth.ok_or(format!("step {step} is yet to come"))?;
         Ok(truth.iter().copied().enumerate())
     }
 
-    fn check_fact(&self, fact: &Fact) -> Result<(), String> {
-        for (j, location) in self.at(fact.step)? {
+    fn check_fact(&self, src: AgentId, fact: &Fact) -> Result<(), String> {
+        for (j, location) in self.at(src, fact.step)? {
             for (what, part) in [("clear", &fact.clear_ground), ("margin", &fact.obstacle_margin)] {
                 if is_deep_in(part, location) {
                     return Err(format!("{what} where target {j} is, {location:?}"));
@@ -168,8 +210,8 @@ impl Laws {
         Ok(())
     }
 
-    fn check_known(&self, known: &Known) -> Result<(), String> {
-        for (j, location) in self.at(known.step)? {
+    fn check_known(&self, src: AgentId, known: &Known) -> Result<(), String> {
+        for (j, location) in self.at(src, known.step)? {
             let own = known.targets.iter().find(|(target, _)| usize::from(target.0) == j);
             let set = own.map_or(&known.unexplored, |(_, set)| set);
             if set.distance_m(location) > TOLERANCE_M {
@@ -183,15 +225,20 @@ impl Laws {
     }
 
     /// Follows what a receiver may believe of whom, and what it is told.
-    fn hear(&mut self, engine: &Swarm, step: Step, arrival: &Arrival) -> Result<(), String> {
-        if !engine.seats()[usize::from(arrival.dst.0)].is_alive() {
+    fn hear(&mut self, engine: &Swarm, arrival: &Arrival) -> Result<(), String> {
+        let seat = &engine.seats()[usize::from(arrival.dst.0)];
+        if !seat.is_alive() {
             return Ok(());
         }
         let Ok(envelope) = Envelope::decode(&arrival.bytes) else {
             *self.damaged.entry(arrival.dst).or_default() += 1;
             return Ok(());
         };
-        if f64::from(step.0 - envelope.step.0) * self.period_s > self.max_age_s {
+        // Messages are dated by the receiver's last frame.
+        let now = seat.agent.inner.knowledge().step;
+        let soonest = now.after((self.clock_skew_s / self.period_s).ceil() as u32 + 1);
+        let age_s = f64::from(now.0.saturating_sub(envelope.step.0)) * self.period_s;
+        if envelope.step > soonest || age_s > self.max_age_s {
             return Ok(());
         }
         let known = self.believed.entry((arrival.dst, envelope.src)).or_default();
@@ -209,7 +256,7 @@ impl Laws {
     /// Agents reject what is damaged, too old or of an earlier life, all of it and nothing else.
     fn check_rejections(&self, engine: &Swarm) -> Result<(), String> {
         for (seat, id) in engine.seats().iter().zip(0..).filter(|(seat, _)| seat.is_alive()) {
-            let rejected = seat.agent.rejected();
+            let rejected = seat.agent.inner.rejected();
             let count = |reason| rejected.get(reason).copied().unwrap_or_default();
             let of = |counts: &BTreeMap<AgentId, u64>| {
                 counts.get(&AgentId(id)).copied().unwrap_or_default()
@@ -222,7 +269,11 @@ impl Laws {
             if damaged != of(&self.damaged) {
                 return Err(format!("UAV {id}: {rejected:?}, but {} damaged", of(&self.damaged)));
             }
-            let allowed = ["incarnation", "checksum", "envelope", "too-old"];
+            let mut allowed = vec!["incarnation", "checksum", "envelope", "too-old"];
+            if self.misses_frames || self.clock_skew_s > 0.0 {
+                // Who lags does not know yet that the others are right.
+                allowed.extend(["future", "plan"]);
+            }
             if let Some(reason) = rejected.keys().find(|reason| !allowed.contains(reason)) {
                 return Err(format!("UAV {id} rejected an honest message: {reason}"));
             }

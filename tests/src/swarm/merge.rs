@@ -8,12 +8,12 @@ use csat_agent::estimate::Estimator;
 use csat_agent::estimate::evidence::Heard;
 use csat_agent::estimate::state::Knowledge;
 use csat_experiments::engine::StepTrace;
-use csat_experiments::set_membership::SetMembership;
 use csat_proto::agent::FIRST_ANSWER;
 use csat_proto::envelope::Envelope;
 use csat_proto::message::Message;
 
 use super::Swarm;
+use super::faulty::Faulty;
 use crate::geometry::difference_m2;
 
 /// How far rounding may take sets apart, m².
@@ -21,7 +21,7 @@ const ROUNDING_M2: f64 = 1e-3;
 
 /// Takes one agent in every third step, in turn, and merges the first two things it heard in both
 /// orders, and one of them again. Tells how many pairs were merged.
-pub fn check(engine: &Swarm, trace: &StepTrace<SetMembership>) -> Result<u64, String> {
+pub fn check(engine: &Swarm, trace: &StepTrace<Faulty>) -> Result<u64, String> {
     if !trace.step.0.is_multiple_of(3) {
         return Ok(0);
     }
@@ -33,13 +33,13 @@ pub fn check(engine: &Swarm, trace: &StepTrace<SetMembership>) -> Result<u64, St
     if !seat.is_alive() {
         return Ok(0);
     }
-    let estimator = Estimator::new(seat.agent.config());
+    let estimator = Estimator::new(seat.agent.inner.config());
     let with = |knowledge: &Knowledge, news: &Heard| {
         let mut knowledge = knowledge.clone();
         estimator.update(&mut knowledge, None, vec![news.clone()]);
         knowledge
     };
-    let start = seat.agent.knowledge();
+    let start = seat.agent.inner.knowledge();
     let expected = with(&with(start, &a), &b);
     let swapped = with(&with(start, &b), &a);
     compare(&expected, &swapped).map_err(|law| format!("order matters: {law}"))?;

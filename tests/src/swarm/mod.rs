@@ -5,6 +5,7 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`draw`] | seed to scenario |
+//! | [`faulty`] | agents whose clocks go ahead and whose frames get lost |
 //! | `laws` | what must hold at every step |
 //! | `claims` | that agents claim to hold only what they were told |
 //! | `merge` | the laws of merging, on what the agents really know and hear |
@@ -13,24 +14,25 @@
 mod claims;
 mod converge;
 pub mod draw;
+pub mod faulty;
 mod laws;
 mod merge;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use csat_experiments::engine::Engine;
-use csat_experiments::set_membership::SetMembership;
 
 use crate::missions::world_of;
 use converge::Settling;
 use draw::Draw;
+use faulty::Faulty;
 use laws::Laws;
 
 /// Steps in which the links may get rid of what was said before the core was healed.
 const DRAIN_STEPS: u32 = 40;
 
 /// A mission of the swarm under way.
-pub(crate) type Swarm = Engine<SetMembership>;
+pub(crate) type Swarm = Engine<Faulty>;
 
 /// What a seed exercised, to see that the swarm does not test nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -59,6 +61,12 @@ pub struct Exercise {
     pub converged: u64,
     /// Those of them that said snapshots, so that their sets had to agree, too.
     pub precise: u64,
+    /// Frames that agents missed.
+    pub missed: u64,
+    /// Missions in which clocks differed.
+    pub skewed: u64,
+    /// Missions in which the cars evaded.
+    pub evasive: u64,
 }
 
 impl Exercise {
@@ -77,6 +85,9 @@ impl Exercise {
             merged: self.merged + other.merged,
             converged: self.converged + other.converged,
             precise: self.precise + other.precise,
+            missed: self.missed + other.missed,
+            skewed: self.skewed + other.skewed,
+            evasive: self.evasive + other.evasive,
         }
     }
 }
@@ -96,8 +107,7 @@ pub fn fly(seed: u64) -> Result<Exercise, String> {
 
 fn fly_drawn(draw: &Draw) -> Result<Exercise, String> {
     let world = world_of(&draw.scenario).map_err(|e| format!("no world: {e}"))?;
-    let mission = SetMembership::new(&draw.scenario);
-    let mut engine = Engine::new(mission, world, &draw.scenario.netem, draw.scenario.seed);
+    let mut engine = Engine::new(draw.mission(), world, &draw.scenario.netem, draw.scenario.seed);
     let mut laws = Laws::new(draw);
     let mut fly = |engine: &mut Swarm| {
         let trace = engine.step();
@@ -122,7 +132,7 @@ fn fly_drawn(draw: &Draw) -> Result<Exercise, String> {
             settling.watch(&engine, &trace);
         }
     }
-    let mut exercise = laws.exercise(&engine);
+    let mut exercise = draw.exercise().with(laws.exercise(&engine));
     if must_converge {
         exercise.precise = settling.check(&engine)?.into();
         exercise.converged = 1;

@@ -1,0 +1,176 @@
+//! Agents whose clocks go ahead and whose frames get lost: the set-membership mission with both.
+//!
+//! A process that is starved in real time looks at the newest frame only and misses those before; clocks
+//! differ by up to `exchange.clock_skew_s`. Neither happens in virtual time, so it is put in here,
+//! between the seat and its agent.
+
+use std::ops::Range;
+
+use csat_agent::agent::{Event, SetMembershipAgent};
+use csat_experiments::metrics::StepRecord;
+use csat_experiments::plug::{Detail, Mission, Tally, Watched};
+use csat_experiments::scenario::Scenario;
+use csat_experiments::set_membership::SetMembership;
+use csat_experiments::set_membership::report::Report;
+use csat_experiments::show::documents::{AgentStep, Document};
+use csat_experiments::view;
+use csat_proto::agent::{Agent, Transmit};
+use csat_proto::camera::CameraModel;
+use csat_proto::command::YawCommand;
+use csat_proto::frame::Frame;
+use csat_proto::ids::{AgentId, Incarnation, TargetId};
+use csat_proto::time::{SimTime, Step};
+use serde::{Deserialize, Serialize};
+
+/// What is wrong with one agent.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Handicap {
+    /// By how many steps its clock is ahead of the world's.
+    pub ahead: u32,
+    /// The steps of the world whose frames it misses.
+    pub missed: Vec<Range<u32>>,
+}
+
+/// The mission with a handicap for each agent, by index.
+#[derive(Debug, Clone)]
+pub struct Faulty {
+    mission: SetMembership,
+    period_s: f64,
+    handicaps: Vec<Handicap>,
+}
+
+impl Faulty {
+    /// The mission that `scenario` describes, with these handicaps.
+    pub fn new(scenario: &Scenario, handicaps: Vec<Handicap>) -> Self {
+        Self { mission: SetMembership::new(scenario), period_s: scenario.run.period_s, handicaps }
+    }
+}
+
+/// An agent with a handicap.
+pub struct FaultyAgent {
+    /// The agent.
+    pub inner: SetMembershipAgent,
+    handicap: Handicap,
+    ahead_s: f64,
+}
+
+impl FaultyAgent {
+    /// The agent's clock when the world's shows `now`.
+    fn own(&self, now: SimTime) -> SimTime {
+        now.after(self.ahead_s)
+    }
+}
+
+impl Agent for FaultyAgent {
+    type Command = YawCommand;
+    type Event = Event;
+
+    fn handle_frame(&mut self, now: SimTime, frame: &Frame) {
+        if self.handicap.missed.iter().any(|steps| steps.contains(&frame.step.0)) {
+            return;
+        }
+        let step = frame.step.after(self.handicap.ahead);
+        self.inner.handle_frame(self.own(now), &Frame { step, ..frame.clone() });
+    }
+
+    fn handle_message(&mut self, now: SimTime, bytes: &[u8]) {
+        self.inner.handle_message(self.own(now), bytes);
+    }
+
+    fn handle_timeout(&mut self, now: SimTime) {
+        self.inner.handle_timeout(self.own(now));
+    }
+
+    fn poll_transmit(&mut self) -> Option<Transmit> {
+        self.inner.poll_transmit()
+    }
+
+    fn answer(&mut self, now: SimTime) -> Option<Transmit> {
+        self.inner.answer(self.own(now))
+    }
+
+    fn poll_command(&mut self) -> Option<YawCommand> {
+        self.inner.poll_command()
+    }
+
+    fn poll_event(&mut self) -> Option<Event> {
+        self.inner.poll_event()
+    }
+
+    fn poll_timeout(&self) -> Option<SimTime> {
+        let due = self.inner.poll_timeout()?;
+        Some(SimTime(due.0.saturating_sub(SimTime::from_seconds(self.ahead_s).0)))
+    }
+
+    fn digest(&self) -> u64 {
+        self.inner.digest()
+    }
+}
+
+/// A report, and by how many steps the clock is ahead that it was made by.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct FaultyReport {
+    /// What the agent told.
+    pub inner: Report,
+    ahead: u32,
+}
+
+impl Mission for Faulty {
+    type Agent = FaultyAgent;
+    type Report = FaultyReport;
+
+    fn agent(&self, id: AgentId, incarnation: Incarnation) -> FaultyAgent {
+        let handicap = self.handicaps.get(usize::from(id.0)).cloned().unwrap_or_default();
+        let ahead_s = f64::from(handicap.ahead) * self.period_s;
+        FaultyAgent { inner: self.mission.agent(id, incarnation), handicap, ahead_s }
+    }
+
+    fn camera(&self) -> CameraModel {
+        self.mission.camera()
+    }
+
+    fn report(&self, agent: &mut FaultyAgent, detail: Detail) -> FaultyReport {
+        let inner = self.mission.report(&mut agent.inner, detail);
+        FaultyReport { inner, ahead: agent.handicap.ahead }
+    }
+
+    /// The world's step. An agent that has seen no frame knows what holds at the start.
+    fn step(&self, report: &FaultyReport) -> Step {
+        Step(report.inner.step.0.saturating_sub(report.ahead))
+    }
+
+    fn admits(
+        &self,
+        report: &FaultyReport,
+        target: TargetId,
+        location: [f64; 2],
+        tolerance_m: f64,
+    ) -> bool {
+        self.mission.admits(&report.inner, target, location, tolerance_m)
+    }
+
+    fn measure(&self, report: &FaultyReport, truth: &[[f64; 2]], row: &mut StepRecord) {
+        self.mission.measure(&report.inner, truth, row);
+    }
+
+    fn watched<'a>(&self, report: &'a FaultyReport) -> Watched<'a> {
+        self.mission.watched(&report.inner)
+    }
+
+    fn view(&self, report: &FaultyReport) -> view::Knowledge {
+        self.mission.view(&report.inner)
+    }
+
+    /// Nobody looks on.
+    fn documents(&self, _: &AgentStep<'_, FaultyReport>, _: &view::Knowledge) -> Vec<Document> {
+        Vec::new()
+    }
+
+    fn tally<'a>(&self, report: &'a FaultyReport) -> &'a Tally {
+        self.mission.tally(&report.inner)
+    }
+
+    fn is_inconsistency(&self, event: &Event) -> bool {
+        self.mission.is_inconsistency(event)
+    }
+}
