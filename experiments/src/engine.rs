@@ -1,6 +1,6 @@
 //! A mission step by step: the world, its fleet wherever it is, and the monitor.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use csat_netem::config::{NetemConfig, OutageConfig};
@@ -230,6 +230,11 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         self.fleet.frames()
     }
 
+    /// What processes did not believe of what was said to them so far, by kind.
+    pub fn refused(&self) -> BTreeMap<String, u64> {
+        self.fleet.refused()
+    }
+
     /// The monitor.
     pub fn monitor(&self) -> &Monitor {
         &self.monitor
@@ -252,7 +257,9 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         let step = self.world.step();
         let at = |step: Step| SimTime::from_seconds(f64::from(step.0) * self.period_s);
         let (now, next) = (at(step), at(Step(step.0 + 1)));
-        let lives = self.crash_and_restart(now);
+        let is_down = |agent| self.crashes.iter().any(|c| c.agent == agent && is_on(c, now));
+        let is_down_by_schedule: Vec<bool> = (0..self.lives.len() as u16).map(is_down).collect();
+        let lives = self.crash_and_restart(&is_down_by_schedule);
         let brief = Brief {
             step,
             now,
@@ -261,6 +268,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             scene: self.world.scene(),
             poses: self.world.poses(),
             lives: self.lives.iter().map(|l| l.is_alive.then_some(l.incarnation)).collect(),
+            is_down_by_schedule,
             detail,
         };
         let mut flown = self.fleet.fly(&brief)?;
@@ -279,13 +287,13 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
 
     /// Ends and begins the lives of agents: by the schedule of crashes, and as their processes come
     /// and go.
-    fn crash_and_restart(&mut self, now: SimTime) -> Vec<(AgentId, LifeEvent)> {
+    fn crash_and_restart(&mut self, is_down_by_schedule: &[bool]) -> Vec<(AgentId, LifeEvent)> {
         let step = self.world.step();
         let mut events = Vec::new();
         let attendance = self.fleet.attendance();
         for (index, (life, process)) in self.lives.iter_mut().zip(attendance).enumerate() {
             let id = AgentId(index as u16);
-            let is_scheduled = self.crashes.iter().any(|c| c.agent == id.0 && is_on(c, now));
+            let is_scheduled = is_down_by_schedule[index];
             let is_another = life.process.is_some() && process != life.process;
             if life.is_alive && (is_scheduled || process.is_none() || is_another) {
                 life.is_alive = false;

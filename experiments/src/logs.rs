@@ -4,14 +4,17 @@ use std::fs::File;
 use std::io::{self, IsTerminal, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use tracing::field::{Field, Visit};
+use tracing::{Event, Metadata};
 use tracing_subscriber::EnvFilter;
-use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::filter::{FilterExt, LevelFilter, Targets};
 use tracing_subscriber::fmt::MakeWriter;
-use tracing_subscriber::layer::{Layer, SubscriberExt};
+use tracing_subscriber::layer::{Context, Filter, Layer, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
 
 use crate::progress::Progress;
 use crate::stages::StageLayer;
+use crate::wire::session::is_closing;
 
 /// What stderr gets by default. Zenoh's orchestrator warns of endpoints that cannot be had, with places in
 /// its source; whoever opens a session says the same in csat's words.
@@ -39,7 +42,7 @@ impl Logs {
             .with_target(false)
             .with_ansi(io::stderr().is_terminal())
             .with_writer(Terminal(logs.progress.clone()))
-            .with_filter(filter);
+            .with_filter(filter.and(NotOfTheEnd));
         let file = tracing_subscriber::fmt::layer()
             .without_time()
             .with_ansi(false)
@@ -64,6 +67,34 @@ impl Logs {
     pub fn share_terminal(&self, progress: Progress) {
         *lock(&self.progress) = Some(progress);
     }
+}
+
+/// Leaves out what Zenoh calls an error and is none: samples that come while a session is being closed.
+struct NotOfTheEnd;
+
+impl<S> Filter<S> for NotOfTheEnd {
+    fn enabled(&self, _: &Metadata<'_>, _: &Context<'_, S>) -> bool {
+        true
+    }
+
+    fn event_enabled(&self, event: &Event<'_>, _: &Context<'_, S>) -> bool {
+        !(is_closing() && is_late_sample(event))
+    }
+}
+
+fn is_late_sample(event: &Event<'_>) -> bool {
+    struct IsLate(bool);
+    impl Visit for IsLate {
+        fn record_debug(&mut self, field: &Field, value: &dyn std::fmt::Debug) {
+            self.0 |= field.name() == "message"
+                && format!("{value:?}").starts_with("Received Data for unknown key_expr");
+        }
+    }
+    let mut late = IsLate(false);
+    if event.metadata().target().starts_with("zenoh::api::session") {
+        event.record(&mut late);
+    }
+    late.0
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
@@ -109,5 +140,32 @@ impl<'a> MakeWriter<'a> for InFile {
     type Writer = InFile;
     fn make_writer(&'a self) -> InFile {
         InFile(self.0.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn late_samples_are_known_by_what_zenoh_says_of_them() {
+        #[derive(Clone, Default)]
+        struct Seen(Arc<Mutex<Vec<bool>>>);
+        impl<S: tracing::Subscriber> Layer<S> for Seen {
+            fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
+                lock(&self.0).push(is_late_sample(event));
+            }
+        }
+        let seen = Seen::default();
+        tracing::subscriber::with_default(
+            tracing_subscriber::registry().with(seen.clone()),
+            || {
+                let error = "3 is unknown";
+                tracing::error!(target: "zenoh::api::session", "Received Data for unknown key_expr: {error}");
+                tracing::error!(target: "zenoh::api::session", "Received Query for unknown key_expr");
+                tracing::error!(target: "csat", "Received Data for unknown key_expr: {error}");
+            },
+        );
+        assert_eq!(*lock(&seen.0), [true, false, false]);
     }
 }

@@ -363,6 +363,7 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
             bytes_sent: counters.bytes_sent,
             messages: messages(&counters, self.engine.tally()),
             frames: self.engine.frames(),
+            refused: self.engine.refused(),
             links: links.iter().map(|(id, counters)| LinkRow::new((*id, counters))).collect(),
             digest: self.engine.digest(),
             view: self.view.rounded(),

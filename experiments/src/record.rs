@@ -1,5 +1,6 @@
 //! Writing a run down while it flies.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -67,6 +68,8 @@ pub struct Outcome {
     pub bytes_sent: u64,
     /// What became of each agent's frames, by index.
     pub frames: Vec<Frames>,
+    /// What processes did not believe of what was said to them, by kind.
+    pub refused: BTreeMap<String, u64>,
     /// What each link did.
     pub links: Vec<LinkRow>,
     /// Hash of every agent's state at every step.
@@ -221,6 +224,7 @@ impl Recorder {
             means: self.series.second_half(),
             last: last.means,
             frames: outcome.frames.clone(),
+            refused: outcome.refused.clone(),
             messages: outcome.messages.clone(),
             bytes_sent: outcome.bytes_sent,
             timing_ms: self.timing.summary(),

@@ -44,6 +44,10 @@ pub struct Summary {
     /// What became of each agent's frames, by index: in real time slow agents miss some.
     #[serde(default)]
     pub frames: Vec<Frames>,
+    /// What the processes of a fleet did not believe of what was said to them, by kind; empty unless a
+    /// stranger, or a simulator that is at fault, speaks on their keys.
+    #[serde(default)]
+    pub refused: BTreeMap<String, u64>,
     /// What became of the messages.
     pub messages: Messages,
     /// Bytes that agents sent, each message once however many hear it.
@@ -100,7 +104,7 @@ impl Summary {
              identified {}/{} ({all}), violations {}, inconsistencies {}\n\
              second half: unexplored {:.2} % (hidden {:.2} %), explored {:.2} %, localisation \
              error {}, target radius {}\n\
-             messages by receiver: {}; {:.2} MB said; digest {}{}",
+             messages by receiver: {}; {:.2} MB said; digest {}{}{}",
             self.scenario,
             self.seed,
             self.sim_s,
@@ -119,16 +123,36 @@ impl Summary {
             self.bytes_sent as f64 / 1e6,
             self.digest,
             self.missed(),
+            self.refused(),
         )
     }
 
-    /// A line for each agent that was too slow for some of its frames.
+    /// A line for each agent that missed frames, and when nothing was heard of it.
     fn missed(&self) -> String {
         let slow = self.frames.iter().enumerate().filter(|(_, frames)| frames.missed > 0);
-        let line = |(agent, Frames { shown, missed }): (usize, &Frames)| {
-            format!("\nwarning: UAV {agent} missed {missed} of {shown} frames")
+        let line = |(agent, Frames { shown, missed, silent_s }): (usize, &Frames)| {
+            let spans = silent_s.iter().map(|[from, to]| format!(" from {from} s to {to} s"));
+            let spans: Vec<String> = spans.collect();
+            let silent = if spans.is_empty() { "" } else { ", silent" };
+            format!(
+                "\nwarning: UAV {agent} missed {missed} of {shown} frames{silent}{}",
+                spans.join(" and")
+            )
         };
         slow.map(line).collect()
+    }
+
+    /// A line if something was said that was not believed.
+    fn refused(&self) -> String {
+        if self.refused.is_empty() {
+            return String::new();
+        }
+        let kinds = self.refused.iter().map(|(kind, count)| format!("{kind} {count}"));
+        let kinds: Vec<String> = kinds.collect();
+        format!(
+            "\nwarning: refused what cannot be of this fleet ({}): see docs/processes.md",
+            kinds.join(", ")
+        )
     }
 }
 
@@ -173,7 +197,8 @@ pub(crate) mod tests {
             all_identified_s: Some(93.5),
             means: Means { unexplored_pct: 21.5, oem_iou_pct: Some(74.0), ..Means::default() },
             last: Means { unexplored_pct: 20.0, ..Means::default() },
-            frames: vec![Frames { shown: 601, missed: 0 }; 4],
+            frames: vec![Frames { shown: 601, ..Frames::default() }; 4],
+            refused: BTreeMap::new(),
             messages: Messages {
                 sent: 12,
                 delivered: 9,
@@ -215,6 +240,7 @@ pub(crate) mod tests {
             "oem_iou_pct",
             "final",
             "frames",
+            "refused",
             "messages",
             "bytes_sent",
             "timing_ms",
@@ -262,6 +288,13 @@ pub(crate) mod tests {
         slow.frames[3].missed = 449;
         let text = slow.describe();
         assert!(text.ends_with("\nwarning: UAV 3 missed 449 of 601 frames"), "{text}");
+        slow.frames[3].silent_s = vec![[12.0, 42.5], [60.0, 61.0]];
+        let text = slow.describe();
+        let silent = "missed 449 of 601 frames, silent from 12 s to 42.5 s and from 60 s to 61 s";
+        assert!(text.ends_with(silent), "{text}");
+        slow.refused = BTreeMap::from([("frame".into(), 2), ("order".into(), 1)]);
+        assert!(slow.describe().contains("\nwarning: refused what cannot be"), "{slow:?}");
+        assert!(slow.describe().contains("(frame 2, order 1)"), "{slow:?}");
         let early = Summary { interrupted: true, all_identified_s: None, ..sample() }.describe();
         assert!(
             early.contains("ended early by the user") && early.contains("(not all)"),

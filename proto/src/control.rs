@@ -13,7 +13,16 @@ use crate::ids::{AgentId, Incarnation, MAX_TARGETS, RunId, TargetId};
 use crate::time::{SimTime, Step};
 
 /// The version of this protocol: processes of another one are refused.
-pub const PROTOCOL: u32 = 1;
+pub const PROTOCOL: u32 = 2;
+
+/// The most messages that an agent says on a radio in a step, on the average over its life: numbers beyond
+/// that are forged.
+const MAX_MESSAGES_PER_STEP: u64 = 4096;
+
+/// A number that no message said by the end of `step` can have reached.
+pub fn number_limit(step: Step) -> u64 {
+    (u64::from(step.0) + 2) * MAX_MESSAGES_PER_STEP
+}
 
 /// An agent's process wants to take part: the payload of its query.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -35,6 +44,8 @@ pub struct Welcome {
     pub protocol: u32,
     /// The run.
     pub run: RunId,
+    /// A number that no other world has: its frames and orders bear it.
+    pub world: u64,
     /// The scenario's name.
     pub name: String,
     /// The scenario in full, TOML.
@@ -76,6 +87,8 @@ pub struct Probe {
 /// The attachment of a frame: all but its pixels.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrameHeader {
+    /// Which world's.
+    pub world: u64,
     /// k.
     pub step: Step,
     /// The instant of the frame.
@@ -95,14 +108,6 @@ pub struct FrameHeader {
 /// Why a frame is not believed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum HeaderError {
-    /// Its step is not after that of the frame before.
-    #[error("step {step} after step {last}: steps increase")]
-    Backwards {
-        /// k.
-        step: Step,
-        /// That of the last frame.
-        last: Step,
-    },
     /// Its instant is not that of its step.
     #[error("step {step} is at {got_s} s, expected {expected_s} s")]
     Time {
@@ -143,9 +148,8 @@ pub enum HeaderError {
 }
 
 impl FrameHeader {
-    /// Checks what the guarantee rests on and a world may get wrong: that time goes on from the frame
-    /// of step `last`, the instant of the step, a pose above the ground, and detections with a Target
-    /// pixel each. `labels` are the frame's pixels.
+    /// Checks what the guarantee rests on and a world may get wrong: the instant of the step, a pose
+    /// above the ground, and detections with a Target pixel each. `labels` are the frame's pixels.
     ///
     /// # Errors
     /// The first thing that is wrong.
@@ -153,13 +157,9 @@ impl FrameHeader {
         &self,
         camera: &CameraModel,
         period_s: f64,
-        last: Option<Step>,
         labels: &[Label],
     ) -> Result<(), HeaderError> {
         let step = self.step;
-        if let Some(last) = last.filter(|last| step <= *last) {
-            return Err(HeaderError::Backwards { step, last });
-        }
         for (step, time) in [(step, self.time), (Step(step.0.saturating_add(1)), self.next)] {
             let expected = SimTime::from_seconds(f64::from(step.0) * period_s);
             if time.0.abs_diff(expected.0) > 1 {
@@ -208,6 +208,16 @@ fn check_box(
 
 /// What the world says to all, on `clock`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Announcement {
+    /// Which world.
+    pub world: u64,
+    /// What.
+    #[serde(flatten)]
+    pub order: Order,
+}
+
+/// What agents' processes are to do.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "order", rename_all = "kebab-case")]
 pub enum Order {
     /// Lockstep: wait for what others said, let arrive what is due, and say what there is to say.
@@ -228,8 +238,11 @@ pub enum Order {
         /// Whether maps are wanted, too.
         full: bool,
     },
-    /// Lockstep or not: tell everything once more, though the step is over.
-    Show,
+    /// The mission's last step is over: tell everything once more, also what an agent that is down knew.
+    Show {
+        /// k.
+        step: Step,
+    },
     /// The mission is over.
     End {
         /// Why.
@@ -246,6 +259,13 @@ pub struct SaidSoFar {
     pub incarnation: Incarnation,
     /// By channel, the number that the next message will have.
     pub next: Vec<u64>,
+}
+
+impl SaidSoFar {
+    /// Whether an agent can have said so much by the end of `step`.
+    pub fn is_possible(&self, step: Step) -> bool {
+        self.next.iter().all(|next| *next <= number_limit(step))
+    }
 }
 
 /// An agent's answer to a frame (round 0) or a turn, on `uav/{i}/command`.
@@ -275,6 +295,7 @@ mod tests {
             pixels: PixelBox { columns: [first, first + 1], rows: [0, 1] },
         };
         FrameHeader {
+            world: 9,
             step: Step(4),
             time: SimTime::from_seconds(2.0),
             next: SimTime::from_seconds(2.5),
@@ -292,7 +313,7 @@ mod tests {
         (labels[0], labels[7]) = (Label::Target, Label::Target);
         let mut header = header();
         change(&mut header, &mut labels);
-        header.check(&camera, 0.5, Some(Step(3)), &labels)
+        header.check(&camera, 0.5, &labels)
     }
 
     #[test]
@@ -309,11 +330,15 @@ mod tests {
         assert!(matches!(outside, Err(HeaderError::Outside { .. })));
         let far = check(|h, _| h.detections[1].target = TargetId(MAX_TARGETS));
         assert_eq!(far, Err(HeaderError::Target(TargetId(MAX_TARGETS))));
-        let again = check(|h, _| {
-            (h.step, h.time, h.next) = (Step(3), SimTime::from_seconds(1.5), h.time);
-        });
-        assert_eq!(again, Err(HeaderError::Backwards { step: Step(3), last: Step(3) }));
         let empty = check(|_, labels| labels[7] = Label::Obstacle);
         assert_eq!(empty, Err(HeaderError::Empty(TargetId(3))));
+    }
+
+    #[test]
+    fn no_agent_says_more_than_it_can() {
+        let said = |next| SaidSoFar { agent: AgentId(0), incarnation: Incarnation(0), next };
+        assert!(said(vec![0, 4096]).is_possible(Step(0)));
+        assert!(!said(vec![0, 2 * 4096 + 1]).is_possible(Step(0)));
+        assert!(!said(vec![u64::MAX]).is_possible(Step(u32::MAX)));
     }
 }

@@ -11,6 +11,7 @@ Time is lockstep; the town and the camera are in town.py.
 import argparse
 import json
 import queue
+import secrets
 import sys
 import time
 import tomllib
@@ -19,7 +20,7 @@ import numpy as np
 import town
 import zenoh
 
-PROTOCOL = 1
+PROTOCOL = 2
 JSON = zenoh.Encoding.APPLICATION_JSON
 
 # What it does not say is as in csat's `city`. Any scenario.resolved.toml with one UAV will do as well.
@@ -81,7 +82,7 @@ class Wire:
         self.session.put(self.key(name), payload, congestion_control=block, express=True, **more)
 
     def order(self, order, **members):
-        self.put("clock", json.dumps({"order": order, **members}), encoding=JSON)
+        self.put("clock", json.dumps({"world": self.welcome["world"], "order": order, **members}), encoding=JSON)
 
     def wait(self, name, what, fits=lambda told: True, limit_s=None):
         """The next `name` that fits. Whatever else comes meanwhile is seen to."""
@@ -155,8 +156,8 @@ class Flight:
         labels, depth, boxes = self.camera.frame(position, yaw, town.bodies(car), self.rng)
         pose = {"p_world": position.tolist(), "yaw_rad": yaw, "pitch_rad": 0.0, "roll_rad": 0.0}
         detections = [{"target": 0, "pixels": boxes[-1]}] if boxes[-1] else []
-        header = {"step": step, "time": now, "next": until, "pose": pose, "incarnation": 0,
-                  "detections": detections, "said": self.said}
+        header = {"world": self.wire.welcome["world"], "step": step, "time": now, "next": until, "pose": pose,
+                  "incarnation": 0, "detections": detections, "said": self.said}
         self.wire.put("uav/0/frame", pack(labels, depth), attachment=json.dumps(header))
         done = self.wire.done(step, 0, "look at the frame")
         commands, turn, heard = done["commands"], 0, []
@@ -239,8 +240,8 @@ def main():
     scenario = tomllib.loads(text)
     if scenario["agents"]["count"] != 1 or min(scenario["map"]["size_m"]) < 200:
         return "world.py: expected agents.count = 1 and map.size_m of 200 or more, where the town fits in"
-    welcome = {"protocol": PROTOCOL, "run": scenario["seed"], "name": "boxes", "scenario": text,
-               "map": None, "pace": "lockstep"}
+    welcome = {"protocol": PROTOCOL, "run": scenario["seed"], "world": secrets.randbits(53), "name": "boxes",
+               "scenario": text, "map": None, "pace": "lockstep"}
     try:
         wire = Wire(arguments.listen, welcome, arguments.patience)
     except zenoh.ZError as error:

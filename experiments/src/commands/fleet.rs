@@ -12,7 +12,7 @@ use csat_experiments::mission::RunOptions;
 use csat_experiments::process::agent::{self, AgentError, ENDED_BY_SIGNAL};
 use csat_experiments::process::arguments::{AgentArguments, WorldArguments};
 use csat_experiments::process::leash;
-use csat_experiments::process::spawn::{self, SpawnArguments};
+use csat_experiments::process::spawn::{self, SpawnArguments, SpawnError};
 use csat_experiments::process::world::{self, WorldError};
 use csat_experiments::run_folder::RunFolder;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED};
@@ -33,12 +33,18 @@ pub fn spawn(arguments: &SpawnArguments) -> anyhow::Result<u8> {
     {
         return super::refuse_folder(error);
     }
-    Ok(spawn::spawn(arguments, &loaded)?)
+    match spawn::spawn(arguments, &loaded) {
+        Err(SpawnError::Wire(error)) => {
+            eprintln!("error: {error}");
+            Ok(BAD_INPUT)
+        }
+        spawned => Ok(spawned?),
+    }
 }
 
 /// `csat world`.
 pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
-    let WorldArguments { run, pace, wire, leashed, logs: agents_logs } = arguments;
+    let WorldArguments { run, wire, leashed, logs: agents_logs, .. } = arguments;
     let interrupted = super::interrupted_by_the_user()?;
     if *leashed {
         let interrupted = interrupted.clone();
@@ -53,7 +59,7 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
         }
     };
     let code = super::record(run, logs, |loaded, recorder, audience| {
-        let flown = world::fly(&session, wire, loaded, pace, &options, recorder, audience);
+        let flown = world::fly(&session, arguments, loaded, &options, recorder, audience);
         // Above all when the fleet failed: they tell why.
         let logs =
             agents_logs.as_ref().map_or(Ok(()), |from| adopt(from, recorder.partial_folder()));

@@ -130,6 +130,7 @@ impl<M: Mission> Fleet<M> for LocalFleet<M> {
 
     fn frames(&self) -> Vec<Frames> {
         // Here time waits for everybody.
-        self.shown.iter().map(|&shown| Frames { shown, missed: 0 }).collect()
+        let frames = |&shown| Frames { shown, ..Frames::default() };
+        self.shown.iter().map(frames).collect()
     }
 }

@@ -8,6 +8,7 @@
 pub mod local;
 pub mod remote;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use csat_netem::counters::{Counters, LinkCounters};
@@ -53,6 +54,8 @@ pub struct Brief {
     pub poses: Vec<Pose>,
     /// The life of each agent, `None` while it is down.
     pub lives: Vec<Option<Incarnation>>,
+    /// Whether the scenario has it that an agent is down, by index: then it takes no process to be.
+    pub is_down_by_schedule: Vec<bool>,
     /// How much the agents are to tell.
     pub detail: Detail,
 }
@@ -105,14 +108,17 @@ impl<M: Mission> Flown<M> {
     }
 }
 
-/// An agent's frames in all its lives. In real time nobody waits for whoever is slow: it looks at the
-/// newest frame only, and misses those before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+/// An agent's frames in all its lives. In real time no process is waited for: one that is slow looks at
+/// its newest frame only and misses those before, and one that is stopped or gone misses all.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Frames {
-    /// How many it was shown.
+    /// How many its camera took, but for those while the scenario had it down.
     pub shown: u64,
     /// Of those, how many it did not look at.
     pub missed: u64,
+    /// When nothing was heard of its process, from and to, seconds of simulated time.
+    #[serde(default)]
+    pub silent_s: Vec<[f64; 2]>,
 }
 
 /// The agents of a mission, wherever they are.
@@ -141,6 +147,11 @@ pub trait Fleet<M: Mission> {
 
     /// What became of each agent's frames so far, by index.
     fn frames(&self) -> Vec<Frames>;
+
+    /// What processes did not believe of what was said to them so far, by kind.
+    fn refused(&self) -> BTreeMap<String, u64> {
+        BTreeMap::new()
+    }
 }
 
 impl<M: Mission, F: Fleet<M>> Fleet<M> for &mut F {
@@ -168,5 +179,9 @@ impl<M: Mission, F: Fleet<M>> Fleet<M> for &mut F {
 
     fn frames(&self) -> Vec<Frames> {
         (**self).frames()
+    }
+
+    fn refused(&self) -> BTreeMap<String, u64> {
+        (**self).refused()
     }
 }

@@ -27,8 +27,7 @@ use super::join::{join, links};
 use super::leash;
 use super::mirror::{Mirror, Picture};
 use crate::fleet::Passage;
-use crate::fleet::remote::account::Account;
-use crate::plug::Detail;
+use crate::fleet::remote::account::{Account, Asked, Head, StepTold};
 use crate::scenario::Scenario;
 use crate::seat::Seat;
 use crate::set_membership::SetMembership;
@@ -57,14 +56,14 @@ pub enum AgentError {
     Zenoh(String),
     /// No world.
     #[error(
-        "waited {limit_s} s for a world to answer on `{key}` at {connect}\n  = expected a `csat \
-         world` or `csat spawn` there; `csat doctor` tells who is"
+        "waited {limit_s} s for a world to answer on `{key}`\n{cause}\n  = expected a `csat world` or \
+         `csat spawn` there; `csat doctor` tells who is"
     )]
     NoWorld {
         /// The key.
         key: String,
-        /// Where it was connected to.
-        connect: String,
+        /// What came of connecting, a line for each endpoint.
+        cause: String,
         /// How long.
         limit_s: u64,
     },
@@ -140,7 +139,7 @@ pub fn fly(arguments: &AgentArguments) -> Result<String, AgentError> {
     let inbox = Inbox::default();
     // First of all: whoever spawned this process may be gone before there is a world.
     watch_for_the_end(&inbox, arguments.leashed);
-    let session = session::open(&arguments.wire, Role::Agent)?;
+    let session = session::open(&arguments.wire, Role::Agent(arguments.id))?;
     let process = super::process_number();
     let result = join(&session, arguments, process, &inbox)
         .and_then(|welcome| Shell::new(&session, arguments, process, &welcome, inbox)?.run());
@@ -188,7 +187,11 @@ struct Shell {
     /// By radio, the number of its next message.
     next: Vec<u64>,
     clock: Option<Clock>,
+    /// Lockstep: the turn that was answered last in this step, 0 for the frame.
+    round: u32,
     turn: Option<Turn>,
+    /// What it has told of this step.
+    told: StepTold,
     since_probe: Stopwatch,
     /// Who waits to be told what the agent knows.
     asked: Vec<Query>,
@@ -215,7 +218,8 @@ impl Shell {
         let id = AgentId(arguments.id);
         let channels = scenario.netem.all_channels().count();
         let mission = SetMembership::new(&scenario);
-        let desk = Desk::declare(session, Keys(welcome.run), id, channels, welcome.pace, inbox);
+        let period_s = scenario.run.period_s;
+        let desk = Desk::declare(session, welcome, period_s, id, channels, inbox);
         let desk = desk.map_err(zenoh_error)?;
         // Only now, for it may take long: the world gives the place away without the desk's token.
         let links = links(&scenario, welcome.map.as_deref())?;
@@ -228,7 +232,7 @@ impl Shell {
             pace: welcome.pace,
             patience: arguments.patience,
             camera: scenario.camera,
-            period_s: scenario.run.period_s,
+            period_s,
             seat: Seat::new(&mission, id, links),
             mission,
             desk,
@@ -238,7 +242,9 @@ impl Shell {
             lost: BTreeSet::new(),
             next: vec![0; channels],
             clock: None,
+            round: 0,
             turn: None,
+            told: StepTold::default(),
             since_probe: Stopwatch::start(),
             asked: Vec::new(),
             is_world_here: false,
@@ -258,13 +264,15 @@ impl Shell {
                 Some(News::Frame(header, pixels)) => self.look(&header, &pixels)?,
                 Some(News::Order(Order::Turn { step, round, now, said })) => {
                     let waiting = Stopwatch::start();
-                    self.turn = Some(Turn { step, round, now, said, waiting });
-                    self.try_turn();
+                    self.begin_turn(Turn { step, round, now, said, waiting });
                 }
-                Some(News::Order(Order::Close { full, .. })) => {
-                    self.report(if full { Detail::Full } else { Detail::Brief });
+                Some(News::Order(Order::Close { step, full: false })) => {
+                    self.report(step, Asked::Brief);
                 }
-                Some(News::Order(Order::Show)) => self.report(Detail::Full),
+                Some(News::Order(Order::Close { step, full: true })) => {
+                    self.report(step, Asked::Full);
+                }
+                Some(News::Order(Order::Show { step })) => self.report(step, Asked::All),
                 Some(News::Order(Order::End { reason })) => {
                     tracing::info!(agent = %self.id, reason, "ends");
                     return Ok(reason);
@@ -291,7 +299,7 @@ impl Shell {
 
     /// Whether a newer frame than that of a step has come already.
     fn is_late(&self, step: Step) -> bool {
-        self.pace != Pace::Lockstep && self.desk.has_newer_frame(step)
+        self.pace != Pace::Lockstep && self.desk.newest_frame() > Some(step)
     }
 
     /// Until it flies, whatever it hears meanwhile.
@@ -400,8 +408,13 @@ impl Shell {
         // Crashes by schedule end the agent's mind only: its process needs no help.
         let is_late = self.clock.is_none() && incarnation.is_some_and(|life| life.0 > 0);
         let clock = Clock { step, time, next, watch: Stopwatch::start() };
-        let last = self.clock.replace(clock).map(|clock| clock.step);
-        self.ether.skip(&header.said);
+        let is_first = self.clock.replace(clock).is_none();
+        self.round = 0;
+        self.told.clear();
+        // In real time what was said before may still be on its way.
+        if is_first || self.pace == Pace::Lockstep {
+            self.ether.skip(&header.said, time);
+        }
         let is_another = incarnation.is_some_and(|life| life != self.seat.incarnation());
         if is_another {
             self.next.fill(0);
@@ -410,7 +423,7 @@ impl Shell {
         if incarnation.is_some() {
             let (labels, depth) = frame_wire::decode(pixels, self.camera.pixels())
                 .map_err(|error| AgentError::Frame { step, error })?;
-            header.check(&self.camera, self.period_s, last, &labels)?;
+            header.check(&self.camera, self.period_s, &labels)?;
             let detections = header.detections.clone();
             self.looked += 1;
             self.seat.look(time, || Frame { step, pose, labels, depth, detections });
@@ -426,10 +439,8 @@ impl Shell {
 
     /// Another agent said something.
     fn hear(&mut self, src: AgentId, bytes: Vec<u8>) {
-        if let Err(error) = self.ether.take(src, bytes) {
-            if self.ether.refused() == 1 {
-                tracing::warn!(%error, "not a message; later ones are counted only");
-            }
+        if let Err(error) = self.ether.take(src, bytes, self.desk.newest_frame()) {
+            self.desk.refusals().count("message", &error);
             return;
         }
         match self.pace {
@@ -463,15 +474,30 @@ impl Shell {
     fn catch_up(&mut self, agent: AgentId, bytes: Vec<u8>) {
         tracing::debug!(own = %self.id, %agent, bytes = bytes.len(), "answers");
         match ether::read(agent, bytes) {
-            Ok(said) => self.seat.hear(&said),
-            Err(error) => tracing::warn!(%error, "an answer that is no message"),
+            Ok((said, _)) => self.seat.hear(&said),
+            Err(error) => self.desk.refusals().count("message", &error),
         }
+    }
+
+    /// Lockstep: the world says that a turn is to be taken. The first one that can be next counts.
+    fn begin_turn(&mut self, turn: Turn) {
+        // Who does not fly yet hears the orders to those that do.
+        let Some(clock) = self.clock else { return };
+        let is_expected = self.pace == Pace::Lockstep && self.turn.is_none();
+        let is_next = is_expected && (turn.step, turn.round) == (clock.step, self.round + 1);
+        let is_in_step = (clock.time..clock.next).contains(&turn.now);
+        if !(is_next && is_in_step && turn.said.iter().all(|said| said.is_possible(turn.step))) {
+            let reason = format!("turn {} of step {} cannot be next", turn.round, turn.step);
+            self.desk.refusals().count("order", &reason);
+            return;
+        }
+        self.turn = Some(turn);
+        self.try_turn();
     }
 
     /// Lockstep: takes the turn once all that was announced is here.
     fn try_turn(&mut self) {
-        let step = self.clock.map(|clock| clock.step);
-        let Some(mut turn) = self.turn.take_if(|turn| Some(turn.step) == step) else { return };
+        let Some(mut turn) = self.turn.take() else { return };
         // Those who are gone may have left something unsaid.
         let lost = &self.lost;
         turn.said.retain(|said| !lost.contains(&said.agent));
@@ -487,6 +513,7 @@ impl Shell {
             self.tell();
         }
         self.talk(turn.now);
+        self.round = turn.round;
         self.answer(turn.step, turn.round);
     }
 
@@ -525,14 +552,33 @@ impl Shell {
         Picture { incarnation, step, time_s, report, passages, bytes_sent }
     }
 
-    /// Tells the world what the step came to.
-    fn report(&mut self, detail: Detail) {
-        let flown = self.seat.finish(&self.mission, detail);
-        if self.mirror.is_wanted() && self.seat.is_alive() {
+    /// Tells the world what a step came to, as often as it asks: it knows what it asked for.
+    fn report(&mut self, step: Step, asked: Asked) {
+        let Some(clock) = self.clock else { return };
+        // In real time the step that is over may be one whose frame was missed.
+        let newest = self.desk.newest_frame().filter(|_| self.pace != Pace::Lockstep);
+        if !(clock.step..=newest.unwrap_or(clock.step)).contains(&step) {
+            let reason = format!("the end of step {step} during step {}", clock.step);
+            self.desk.refusals().count("order", &reason);
+            return;
+        }
+        let mut flown = self.seat.finish(&self.mission, asked.detail());
+        if asked == Asked::All {
+            flown.report = Some(self.seat.show(&self.mission));
+        } else if self.mirror.is_wanted() && self.seat.is_alive() {
             let picture = self.picture(flown.passages.clone(), flown.bytes_sent);
             self.mirror.show(picture);
         }
-        let account = Account::new(self.process, flown, self.looked, self.seat.links());
+        self.told.add(&flown);
+        let head = Head {
+            process: self.process,
+            step: clock.step,
+            round: self.round,
+            asked,
+            looked: self.looked,
+            refused: self.desk.refusals().counts(),
+        };
+        let account = Account::new(head, flown, &self.told, self.seat.links());
         self.desk.report(account.encode());
     }
 }

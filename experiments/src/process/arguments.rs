@@ -23,6 +23,9 @@ pub struct WorldArguments {
     /// End when standard input ends: whoever spawned this process is gone
     #[arg(long, hide = true)]
     pub leashed: bool,
+    /// Agents' processes that end are started again: wait for one when none is left
+    #[arg(long, hide = true)]
+    pub restarts: bool,
     /// A folder with the agents' logs, to be moved into the run folder at the end
     #[arg(long, hide = true, value_name = "DIR")]
     pub logs: Option<PathBuf>,

@@ -1,11 +1,10 @@
 //! An agent's Zenoh keys: what its process hears, says and shows.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use csat_proto::control::{Done, FrameHeader, Order, Pace, Probe, Ready};
+use csat_proto::control::{Announcement, Done, FrameHeader, Order, Probe, Ready, Welcome};
 use csat_proto::ids::{AgentId, ChannelId};
 use csat_proto::keys::{Keys, split, split_agent};
 use csat_proto::time::Step;
@@ -16,9 +15,11 @@ use zenoh::query::{Query, Queryable, Reply};
 use zenoh::sample::{Locality, Sample, SampleKind};
 use zenoh::{Session, Wait};
 
+use super::gate::Gate;
 use crate::seat::Said;
 use crate::wire::hearing::{json, parse, queueing};
 use crate::wire::pace::congestion_control;
+use crate::wire::refusals::Refusals;
 
 /// How long others may take to answer what they know.
 const ANSWER_LIMIT: Duration = Duration::from_secs(5);
@@ -83,21 +84,36 @@ impl Inbox {
 fn subscribe(
     session: &Session,
     key: String,
-    sender: &SyncSender<News>,
-    read: impl Fn(&Sample) -> Option<News> + Send + Sync + 'static,
+    (sender, refusals): (&SyncSender<News>, &Refusals),
+    read: impl Fn(&Sample, &Refusals) -> Option<News> + Send + Sync + 'static,
 ) -> zenoh::Result<Subscriber<()>> {
     session
         .declare_subscriber(key)
         .allowed_origin(Locality::Remote)
-        .callback(queueing(sender, read))
+        .callback(queueing(sender, refusals, read))
         .wait()
+}
+
+/// Reads what comes under a key, and nothing of a pattern of keys: access control by key would not see it.
+fn exactly(
+    key: String,
+    read: impl Fn(&Sample, &Refusals) -> Option<News> + Send + Sync + 'static,
+) -> impl Fn(&Sample, &Refusals) -> Option<News> + Send + Sync + 'static {
+    move |sample, refusals| {
+        if sample.key_expr().as_str() == key {
+            return read(sample, refusals);
+        }
+        refusals.count("key", &format!("`{}`, expected `{key}`", sample.key_expr()));
+        None
+    }
 }
 
 /// An agent's side of the wire.
 pub struct Desk {
     inbox: Inbox,
-    /// The step of the newest frame that came, read or not.
-    newest: Arc<AtomicU32>,
+    /// What frames come through, read or not.
+    gate: Arc<Mutex<Gate>>,
+    refusals: Refusals,
     probe: Publisher<'static>,
     links: Vec<Publisher<'static>>,
     ready: Publisher<'static>,
@@ -111,20 +127,20 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// Declares everything for UAV `id` with `channels` radios.
+    /// Declares everything for UAV `id` with `channels` radios, in the run that `welcome` tells of.
     ///
     /// # Errors
     /// What Zenoh says.
     pub fn declare(
         session: &Session,
-        keys: Keys,
+        welcome: &Welcome,
+        period_s: f64,
         id: AgentId,
         channels: usize,
-        pace: Pace,
         inbox: Inbox,
     ) -> zenoh::Result<Self> {
-        let sender = inbox.sender();
-        let control = congestion_control(pace);
+        let (sender, keys, refusals) = (inbox.sender(), Keys(welcome.run), Refusals::default());
+        let control = congestion_control(welcome.pace);
         let publish = |key: String| {
             session
                 .declare_publisher(key)
@@ -133,25 +149,21 @@ impl Desk {
                 .express(true)
                 .wait()
         };
-        let newest = Arc::new(AtomicU32::new(0));
-        let seen = newest.clone();
-        let noticed = move |sample: &Sample| {
-            let news = frame(sample)?;
-            if let News::Frame(header, _) = &news {
-                seen.fetch_max(header.step.0, Ordering::Relaxed);
-            }
-            Some(news)
-        };
+        let gate = Arc::new(Mutex::new(Gate::new(welcome, period_s)));
         let alive = session
             .liveliness()
             .declare_subscriber(keys.of("alive/*"))
             .history(true)
-            .callback(queueing(&sender, presence))
+            .callback(queueing(&sender, &refusals, presence))
             .wait()?;
         let subscribers = vec![
-            subscribe(session, keys.links(), &sender, link)?,
-            subscribe(session, keys.frame(id), &sender, noticed)?,
-            subscribe(session, keys.clock(), &sender, |s| Some(News::Order(json(s)?)))?,
+            subscribe(session, keys.links(), (&sender, &refusals), link)?,
+            subscribe(session, keys.frame(id), (&sender, &refusals), {
+                exactly(keys.frame(id), frame(gate.clone()))
+            })?,
+            subscribe(session, keys.clock(), (&sender, &refusals), {
+                exactly(keys.clock(), order(gate.clone()))
+            })?,
             alive,
         ];
         let queryable = |key: String, news: fn(Query) -> News| {
@@ -174,7 +186,8 @@ impl Desk {
             keys,
             _token: session.liveliness().declare_token(keys.alive(id)).wait()?,
             inbox,
-            newest,
+            gate,
+            refusals,
         })
     }
 
@@ -183,9 +196,14 @@ impl Desk {
         self.inbox.next(limit)
     }
 
-    /// Whether a frame has come that is newer than that of a step.
-    pub fn has_newer_frame(&self, step: Step) -> bool {
-        self.newest.load(Ordering::Relaxed) > step.0
+    /// The step of the newest frame that has come, read or not.
+    pub fn newest_frame(&self) -> Option<Step> {
+        lock(&self.gate).newest()
+    }
+
+    /// What is not believed of what comes.
+    pub fn refusals(&self) -> &Refusals {
+        &self.refusals
     }
 
     /// Says a message to all agents.
@@ -261,21 +279,48 @@ fn name(sample: &Sample) -> Option<&str> {
     split(sample.key_expr().as_str()).map(|(_, name)| name)
 }
 
-fn link(sample: &Sample) -> Option<News> {
-    let (src, what) = split_agent(name(sample)?, "link")?;
+fn lock(gate: &Mutex<Gate>) -> std::sync::MutexGuard<'_, Gate> {
+    gate.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn link(sample: &Sample, refusals: &Refusals) -> Option<News> {
+    let Some((src, what)) = name(sample).and_then(|name| split_agent(name, "link")) else {
+        refusals.count("key", &format!("`{}` names no agent", sample.key_expr()));
+        return None;
+    };
     match what {
-        "probe" => Some(News::Probe(src, json(sample)?)),
+        "probe" => Some(News::Probe(src, json(sample, refusals)?)),
         _ => Some(News::Link(src, sample.payload().to_bytes().into_owned())),
     }
 }
 
-fn frame(sample: &Sample) -> Option<News> {
-    let header = sample.attachment()?.to_bytes().into_owned();
-    let pixels = sample.payload().to_bytes().into_owned();
-    Some(News::Frame(Box::new(parse(sample, &header)?), pixels))
+/// Reads frames that the gate lets in.
+fn frame(gate: Arc<Mutex<Gate>>) -> impl Fn(&Sample, &Refusals) -> Option<News> + Send + Sync {
+    move |sample, refusals| {
+        let header = sample.attachment()?.to_bytes().into_owned();
+        let header: FrameHeader = parse(sample, &header, refusals)?;
+        if let Err(error) = lock(&gate).admit(header.world, header.step) {
+            refusals.count("frame", &error);
+            return None;
+        }
+        let pixels = sample.payload().to_bytes().into_owned();
+        Some(News::Frame(Box::new(header), pixels))
+    }
 }
 
-fn presence(sample: &Sample) -> Option<News> {
+/// Reads orders of this world.
+fn order(gate: Arc<Mutex<Gate>>) -> impl Fn(&Sample, &Refusals) -> Option<News> + Send + Sync {
+    move |sample, refusals| {
+        let Announcement { world, order } = json(sample, refusals)?;
+        if let Err(error) = lock(&gate).check_world(world) {
+            refusals.count("order", &error);
+            return None;
+        }
+        Some(News::Order(order))
+    }
+}
+
+fn presence(sample: &Sample, _: &Refusals) -> Option<News> {
     match (name(sample)?, sample.kind()) {
         ("alive/world", SampleKind::Put) => Some(News::WorldHere),
         ("alive/world", SampleKind::Delete) => Some(News::WorldGone),

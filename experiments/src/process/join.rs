@@ -16,7 +16,8 @@ use super::desk::{Inbox, News};
 use crate::engine;
 use crate::scenario::Scenario;
 use crate::timing::Stopwatch;
-use crate::wire::session::{self, Role};
+use crate::tools::doctor;
+use crate::wire::session::Role;
 
 /// How long a world may take to answer a query.
 const ANSWER_LIMIT: Duration = Duration::from_secs(2);
@@ -54,9 +55,9 @@ pub fn join(
             };
         }
         if watch.left(arguments.patience).is_zero() {
-            let connect = session::shown_endpoints(&arguments.wire, Role::Agent);
             let limit_s = arguments.patience.as_secs();
-            return Err(AgentError::NoWorld { key, connect, limit_s });
+            let cause = doctor::why_nobody(session, &arguments.wire, Role::Agent(arguments.id));
+            return Err(AgentError::NoWorld { key, cause, limit_s });
         }
         // Nothing else comes before there is a desk.
         if let Some(News::End(who)) = inbox.next(ASK_PERIOD) {

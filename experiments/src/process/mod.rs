@@ -7,6 +7,7 @@
 //! | [`join`] | how that process gets to know its mission |
 //! | [`spawn`] | starts both and leaves none behind |
 //! | [`leash`] | how a child notices that its parent is gone |
+//! | [`gate`] | which frames it believes to be its world's |
 //! | [`ether`] | what others say on the links, until it is heard |
 //! | [`desk`] | an agent's Zenoh keys |
 //! | [`mirror`] | what an agent shows to people |
@@ -17,6 +18,7 @@ pub mod agent;
 pub mod arguments;
 pub mod desk;
 pub mod ether;
+pub mod gate;
 pub mod join;
 pub mod leash;
 pub mod mirror;

@@ -12,9 +12,12 @@ use std::process::{ExitStatus, Stdio};
 use std::time::Duration;
 
 use clap::Args;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
 use tempfile::TempDir;
 use tokio::process::{Child, Command};
 use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::watch;
 use tokio::task::JoinSet;
 
 use super::arguments::PaceArguments;
@@ -22,10 +25,13 @@ use crate::cli::RunArguments;
 use crate::provenance::spawned_by;
 use crate::scenario::Loaded;
 use crate::verdict::{FAILED, INTERRUPTED};
-use crate::wire::session::DEFAULT_ENDPOINT;
+use crate::wire::config::{DEFAULT_ADDRESS, scheme};
+use crate::wire::session::WireError;
 
-/// How long agents may take to end after their world.
-const FAREWELL: Duration = Duration::from_secs(5);
+/// How long agents may take to hear of the end of their world, and how long to end when they are let go.
+const FAREWELLS: [Duration; 2] = [Duration::from_secs(1), Duration::from_secs(4)];
+/// How often a world is woken that goes on, or does not, after all its agents have ended.
+const WAKE_PERIOD: Duration = Duration::from_secs(5);
 /// How long a process is gone before it is restarted.
 const RESTART_DELAY: Duration = Duration::from_millis(500);
 /// How often one agent is restarted; more is a program that cannot run.
@@ -57,6 +63,9 @@ pub struct SpawnArguments {
 /// Why processes could not be had.
 #[derive(Debug, thiserror::Error)]
 pub enum SpawnError {
+    /// Its Zenoh configuration.
+    #[error(transparent)]
+    Wire(#[from] WireError),
     /// No port.
     #[error("there is no free port on 127.0.0.1: {0}")]
     Port(io::Error),
@@ -83,45 +92,102 @@ pub enum SpawnError {
 /// When a process cannot be started or watched.
 pub fn spawn(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, SpawnError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
-    runtime.map_err(SpawnError::Watch)?.block_on(watch(arguments, loaded))
+    runtime.map_err(SpawnError::Watch)?.block_on(supervise(arguments, loaded))
 }
 
 /// A process that ended, and which agent's it was.
 type Ended = (u16, io::Result<ExitStatus>);
 
-async fn watch(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, SpawnError> {
+/// Waits for the end of an agent's process, and lets go of it when all are let go of.
+async fn stay_with(id: u16, mut child: Child, mut leash_end: watch::Receiver<()>) -> Ended {
+    // `wait` closes standard input: the leash must outlive it.
+    let leash = child.stdin.take();
+    let status = tokio::select! {
+        status = child.wait() => status,
+        _ = leash_end.changed() => {
+            drop(leash);
+            wake(child.id());
+            child.wait().await
+        }
+    };
+    (id, status)
+}
+
+/// The same for one that is started after a while.
+async fn start_again(id: u16, mut agent: Command, mut leash_end: watch::Receiver<()>) -> Ended {
+    tokio::select! {
+        () = tokio::time::sleep(RESTART_DELAY) => {}
+        _ = leash_end.changed() => return (id, Ok(ExitStatus::default())),
+    }
+    match agent.spawn() {
+        Ok(child) => {
+            eprintln!("UAV {id} is process {} now", child.id().unwrap_or_default());
+            stay_with(id, child, leash_end).await
+        }
+        Err(error) => (id, Err(error)),
+    }
+}
+
+async fn all_ended(agents: &mut JoinSet<Ended>) {
+    while agents.join_next().await.is_some() {}
+}
+
+/// A process that is stopped cannot end in order; for any other this is nothing.
+fn wake(pid: Option<u32>) {
+    if let Some(pid) = pid.and_then(|pid| i32::try_from(pid).ok()) {
+        let _ = kill(Pid::from_raw(pid), Signal::SIGCONT);
+    }
+}
+
+async fn supervise(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, SpawnError> {
     let endpoint = match &arguments.listen {
         Some(endpoint) => endpoint.clone(),
-        None => free_endpoint().map_err(SpawnError::Port)?,
+        None => {
+            let scheme = scheme(arguments.zenoh_config.as_deref())?;
+            format!("{scheme}/{}", free_address().map_err(SpawnError::Port)?)
+        }
     };
     let logs = tempfile::Builder::new().prefix("csat-logs-").tempdir().map_err(SpawnError::Logs)?;
-    let nursery =
-        Nursery { arguments, endpoint, seed: loaded.scenario.seed, logs: logs.path().to_owned() };
+    let (leashes, leash_end) = watch::channel(());
+    let nursery = Nursery {
+        arguments,
+        endpoint,
+        seed: loaded.scenario.seed,
+        logs: logs.path().to_owned(),
+        leash_end,
+    };
     let stop = |kind| signal(kind).map_err(SpawnError::Watch);
     let mut stops = (stop(SignalKind::interrupt())?, stop(SignalKind::terminate())?);
     let mut world = nursery.world()?;
-    if !arguments.run.json {
-        eprintln!(
-            "{} agents on {}; look on with `csat watch --connect {}`",
-            loaded.scenario.agents.count, nursery.endpoint, nursery.endpoint
-        );
-    }
     let mut leash = world.stdin.take();
     let mut is_stopped = false;
     let mut agents: JoinSet<Ended> = JoinSet::new();
-    for id in 0..loaded.scenario.agents.count {
-        nursery.agent(id, &mut agents, Duration::ZERO)?;
+    let count = loaded.scenario.agents.count;
+    let mut pids = String::new();
+    for id in 0..count {
+        let child = start(nursery.agent(id)?, "csat agent")?;
+        pids += &format!(" {}", child.id().unwrap_or_default());
+        agents.spawn(stay_with(id, child, nursery.leash_end.clone()));
     }
-    let mut restarts = vec![0; usize::from(loaded.scenario.agents.count)];
+    if !arguments.run.json {
+        let endpoint = &nursery.endpoint;
+        eprintln!("{count} agents on {endpoint}; look on with `csat watch --connect {endpoint}`");
+        let pid = world.id().unwrap_or_default();
+        eprintln!("processes: world {pid}, UAVs from 0 on{pids}");
+    }
+    let mut restarts = vec![0; usize::from(count)];
     let status = loop {
         tokio::select! {
             status = world.wait() => break status.map_err(SpawnError::Watch)?,
             _ = async { tokio::select! { _ = stops.0.recv() => (), _ = stops.1.recv() => () } } => {
-                if is_stopped { break kill(&mut world).await?; }
+                if is_stopped { break end_at_once(&mut world).await?; }
                 is_stopped = true;
                 leash.take();
+                wake(world.id());
                 eprintln!("\nending after this step; Ctrl-C again ends at once");
             }
+            // One that is stopped would not notice that nobody is left.
+            () = tokio::time::sleep(WAKE_PERIOD), if agents.is_empty() => wake(world.id()),
             Some(Ok((id, status))) = agents.join_next() => {
                 let count = &mut restarts[usize::from(id)];
                 // Whose mission is over ended well, be it before the world did.
@@ -130,14 +196,19 @@ async fn watch(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, SpawnE
                 tell(id, &status, is_restarted);
                 if is_restarted {
                     *count += 1;
-                    nursery.agent(id, &mut agents, RESTART_DELAY)?;
+                    let again = nursery.agent(id)?;
+                    agents.spawn(start_again(id, again, nursery.leash_end.clone()));
                 }
             }
         }
     };
-    let farewell = async { while agents.join_next().await.is_some() {} };
-    // Whoever is left then is killed with its handle.
-    let _ = tokio::time::timeout(FAREWELL, farewell).await;
+    // They have been told; those that were not in time are let go.
+    if !is_stopped {
+        let _ = tokio::time::timeout(FAREWELLS[0], all_ended(&mut agents)).await;
+    }
+    drop(leashes);
+    let _ = tokio::time::timeout(FAREWELLS[1], all_ended(&mut agents)).await;
+    // Any that are left then are killed with their handles.
     agents.shutdown().await;
     Ok(conclude(status, is_stopped, logs))
 }
@@ -159,7 +230,7 @@ fn conclude(world: ExitStatus, is_stopped: bool, logs: TempDir) -> u8 {
     }
 }
 
-async fn kill(child: &mut Child) -> Result<ExitStatus, SpawnError> {
+async fn end_at_once(child: &mut Child) -> Result<ExitStatus, SpawnError> {
     child.kill().await.map_err(SpawnError::Watch)?;
     child.wait().await.map_err(SpawnError::Watch)
 }
@@ -177,13 +248,11 @@ fn tell(id: u16, status: &io::Result<ExitStatus>, is_restarted: bool) {
 }
 
 /// Zenoh's own port, or any other if that is taken.
-fn free_endpoint() -> io::Result<String> {
-    let address = DEFAULT_ENDPOINT.trim_start_matches("tcp/");
-    if TcpListener::bind(address).is_ok() {
-        return Ok(DEFAULT_ENDPOINT.to_owned());
+fn free_address() -> io::Result<String> {
+    if TcpListener::bind(DEFAULT_ADDRESS).is_ok() {
+        return Ok(DEFAULT_ADDRESS.to_owned());
     }
-    let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
-    Ok(format!("tcp/127.0.0.1:{port}"))
+    Ok(TcpListener::bind("127.0.0.1:0")?.local_addr()?.to_string())
 }
 
 /// Starts processes.
@@ -193,6 +262,8 @@ struct Nursery<'a> {
     seed: u64,
     /// Where agents write their logs; the world takes them over at the end.
     logs: PathBuf,
+    /// Changes when agents' processes are let go of.
+    leash_end: watch::Receiver<()>,
 }
 
 impl Nursery<'_> {
@@ -216,35 +287,21 @@ impl Nursery<'_> {
             command.arg(format!("--record={period_s}"));
         }
         option(&mut command, "--realtime", pace.realtime.as_ref());
+        if self.arguments.restart {
+            command.arg("--restarts");
+        }
         command.args(["--patience", &pace.patience.as_secs().to_string()]);
         command.args(["--listen", &self.endpoint]).arg("--logs").arg(&self.logs);
         start(command, "csat world")
     }
 
-    /// Starts an agent's process after a while and waits for its end.
-    fn agent(
-        &self,
-        id: u16,
-        agents: &mut JoinSet<Ended>,
-        delay: Duration,
-    ) -> Result<(), SpawnError> {
+    fn agent(&self, id: u16) -> Result<Command, SpawnError> {
         let mut command = self.command("agent")?;
         command.args(["--id", &id.to_string(), "--run", &self.seed.to_string()]);
         command.args(["--patience", &self.arguments.pace.patience.as_secs().to_string()]);
         command.arg("--log").arg(self.logs.join(format!("agent-{id}.log")));
         command.args(["--connect", &self.endpoint]).stdout(Stdio::null());
-        agents.spawn(async move {
-            tokio::time::sleep(delay).await;
-            match command.spawn() {
-                Ok(mut child) => {
-                    // `wait` closes standard input: the leash must outlive it.
-                    let _leash = child.stdin.take();
-                    (id, child.wait().await)
-                }
-                Err(error) => (id, Err(error)),
-            }
-        });
-        Ok(())
+        Ok(command)
     }
 
     fn command(&self, what: &str) -> Result<Command, SpawnError> {

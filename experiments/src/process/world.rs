@@ -7,7 +7,8 @@ use csat_proto::ids::RunId;
 use csat_proto::keys::Keys;
 use zenoh::{Session, Wait};
 
-use super::arguments::PaceArguments;
+use super::arguments::WorldArguments;
+use super::process_number;
 use super::truth::Showcase;
 use crate::fleet::remote::port::Port;
 use crate::fleet::remote::roster::Roster;
@@ -17,7 +18,6 @@ use crate::record::{Outcome, Recorder};
 use crate::scenario::Loaded;
 use crate::set_membership::SetMembership;
 use crate::timing::Stopwatch;
-use crate::wire::session::WireArguments;
 
 /// How long others are looked for that may fly the run already.
 const LOOK: Duration = Duration::from_secs(2);
@@ -56,13 +56,13 @@ fn zenoh_error(error: zenoh::Error) -> WorldError {
 /// When processes are missing, or the mission cannot be flown or written down.
 pub fn fly(
     session: &Session,
-    wire: &WireArguments,
+    arguments: &WorldArguments,
     loaded: Loaded,
-    pace: &PaceArguments,
     options: &RunOptions,
     recorder: &mut Recorder,
     audience: &mut dyn Audience<SetMembership>,
 ) -> Result<Outcome, WorldError> {
+    let WorldArguments { pace, wire, restarts, .. } = arguments;
     let keys = Keys(RunId(loaded.scenario.seed));
     // Who connects to nobody hears of another world only from those who join it.
     if !wire.connect.is_empty() {
@@ -70,18 +70,22 @@ pub fn fly(
     }
     let count = usize::from(loaded.scenario.agents.count);
     let speed = pace.realtime.map_or(Pace::Lockstep, Pace::Realtime);
-    let port = Port::declare(session, keys, count, speed).map_err(zenoh_error)?;
     let welcome = Welcome {
         protocol: PROTOCOL,
         run: keys.0,
+        world: process_number(),
         name: loaded.name.clone(),
         scenario: loaded.scenario.to_toml(),
         map: loaded.map.as_ref().map(|map| map.text.clone()),
         pace: speed,
     };
+    let port = Port::declare(session, &welcome, count).map_err(zenoh_error)?;
     let mission = SetMembership::new(&loaded.scenario);
     let roster = Roster::new(welcome, count);
     let mut fleet = RemoteFleet::new(&mission, port, roster, speed, pace.patience);
+    if *restarts {
+        fleet = fleet.with_restarts(options.interrupted.clone());
+    }
     let mut showcase = Showcase::declare(session, keys, &loaded).map_err(zenoh_error)?;
     let mut audience: Vec<&mut dyn Audience<SetMembership>> = vec![&mut showcase, audience];
     let is_over = || options.interrupted.load(std::sync::atomic::Ordering::SeqCst);

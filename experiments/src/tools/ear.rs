@@ -10,6 +10,8 @@ use zenoh::pubsub::Subscriber;
 use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Session, Wait};
 
+use crate::wire::session::stop_listening;
+
 /// How many samples may wait.
 const QUEUE: usize = 16_384;
 /// How many bytes may wait: a frame has hundreds of thousands.
@@ -107,6 +109,12 @@ impl Ear {
     /// How many came faster than they were taken.
     pub fn missed(&self) -> u64 {
         self.queue.missed.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Ear {
+    fn drop(&mut self) {
+        stop_listening();
     }
 }
 

@@ -262,6 +262,7 @@ mod tests {
             ..heard("csat/1/uav/0/frame", &[0; 50])
         };
         let mut header = FrameHeader {
+            world: 5,
             step: Step(3),
             time: SimTime::from_seconds(1.5),
             next: SimTime::from_seconds(2.0),

@@ -2,13 +2,14 @@
 
 use std::net::TcpListener;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::Args;
-use zenoh::{Config, Session, Wait};
+use zenoh::config::EndPoint;
+use zenoh::{Session, Wait};
 
-/// Where a world listens and everybody else connects unless told otherwise: Zenoh's own port.
-pub const DEFAULT_ENDPOINT: &str = "tcp/127.0.0.1:7447";
+use super::config::{config, unspoken};
 
 /// How long closing a session may take.
 const CLOSE_LIMIT: Duration = Duration::from_secs(2);
@@ -22,7 +23,8 @@ pub struct WireArguments {
     /// A Zenoh endpoint to listen on, such as tcp/0.0.0.0:7447; may be repeated
     #[arg(long, value_name = "ENDPOINT")]
     pub listen: Vec<String>,
-    /// A Zenoh configuration (JSON5) for all the rest, such as TLS and access control
+    /// A Zenoh configuration (JSON5) for all the rest, such as TLS and access control: what it does not
+    /// say stays as it is
     #[arg(long, value_name = "FILE")]
     pub zenoh_config: Option<PathBuf>,
 }
@@ -32,10 +34,22 @@ pub struct WireArguments {
 pub enum Role {
     /// Others connect to it: it listens.
     World,
-    /// It takes part in a run: it connects to the world and listens where others find it by gossip.
-    Agent,
+    /// It takes part in a run as this UAV: it connects to the world and listens where others find it by
+    /// gossip.
+    Agent(u16),
     /// It looks on.
     Spectator,
+}
+
+impl Role {
+    /// Its name in configurations that are for every peer, such as the names of certificates.
+    pub fn peer_name(self) -> String {
+        match self {
+            Self::World => "world".to_owned(),
+            Self::Agent(id) => format!("uav-{id}"),
+            Self::Spectator => "spectator".to_owned(),
+        }
+    }
 }
 
 /// Why there is no session.
@@ -50,21 +64,25 @@ pub enum WireError {
         reason: String,
     },
     /// An endpoint.
-    #[error("`{endpoint}` is no Zenoh endpoint: {reason}\n  = expected such as {DEFAULT_ENDPOINT}")]
+    #[error("`{endpoint}` is no Zenoh endpoint: {reason}\n  = expected such as tcp/127.0.0.1:7447")]
     Endpoint {
         /// As given.
         endpoint: String,
         /// What Zenoh says.
         reason: String,
     },
-    /// A setting of ours.
-    #[error("Zenoh refuses `{key}`: {reason}")]
-    Setting {
-        /// The key.
-        key: &'static str,
-        /// What Zenoh says.
-        reason: String,
-    },
+    /// An endpoint of a protocol that is not built in.
+    #[error(
+        "{0}\n  = expected such as tcp/127.0.0.1:7447; tls/ needs a csat that is built with `--features \
+         tls`, see docs/processes.md"
+    )]
+    Protocol(String),
+    /// The world and its agents are peers.
+    #[error(
+        "the Zenoh configuration makes this process a client, and clients meet routers and peers only\n  \
+         = expected mode: \"peer\", for the world and its agents talk to each other directly"
+    )]
+    Mode,
     /// The session does not open.
     #[error(
         "cannot open a Zenoh session that listens on {listen} and connects to {connect}: {reason}\n  = expected {}",
@@ -98,6 +116,13 @@ pub fn open(arguments: &WireArguments, role: Role) -> Result<Session, WireError>
     let config = config(arguments, role)?;
     let shown = |key: &str| config.get_json(key).unwrap_or_default();
     let (listen, connect) = (shown("listen/endpoints"), shown("connect/endpoints"));
+    for list in [&listen, &connect] {
+        let endpoints: Vec<String> = serde_json::from_str(list).unwrap_or_default();
+        let mut parsed = endpoints.iter().filter_map(|text| text.parse::<EndPoint>().ok());
+        if let Some(reason) = parsed.find_map(|endpoint| unspoken(&endpoint)) {
+            return Err(WireError::Protocol(reason));
+        }
+    }
     zenoh::open(config).wait().map_err(|error| WireError::Open {
         listen,
         connect,
@@ -105,8 +130,22 @@ pub fn open(arguments: &WireArguments, role: Role) -> Result<Session, WireError>
     })
 }
 
+/// Whether this process has stopped listening.
+static CLOSING: AtomicBool = AtomicBool::new(false);
+
+/// Whether this process has stopped listening: what still comes then is nothing to it.
+pub fn is_closing() -> bool {
+    CLOSING.load(Ordering::Relaxed)
+}
+
+/// This process is about to stop listening.
+pub fn stop_listening() {
+    CLOSING.store(true, Ordering::Relaxed);
+}
+
 /// Closes a session, or leaves it to the end of the process when that takes too long.
 pub fn close(session: Session) {
+    stop_listening();
     let (done, closed) = std::sync::mpsc::channel();
     std::thread::spawn(move || {
         let _ = session.close().wait();
@@ -132,83 +171,11 @@ pub fn listened(arguments: &WireArguments, role: Role) -> Vec<String> {
 /// other endpoint as it is.
 pub fn with_a_port(endpoint: &str) -> String {
     let free = |address: &str| TcpListener::bind(address).ok()?.local_addr().ok();
-    let Some(address) = endpoint.strip_prefix("tcp/").filter(|a| a.ends_with(":0")) else {
+    let Some((protocol, address)) = endpoint.split_once('/').filter(|(_, a)| a.ends_with(":0"))
+    else {
         return endpoint.to_owned();
     };
-    free(address).map_or_else(|| endpoint.to_owned(), |free| format!("tcp/{free}"))
-}
-
-/// The configuration of a session.
-///
-/// # Errors
-/// When the arguments are none.
-pub fn config(arguments: &WireArguments, role: Role) -> Result<Config, WireError> {
-    let WireArguments { connect, listen, zenoh_config } = arguments;
-    if let Some(path) = zenoh_config {
-        let mut config = Config::from_file(path).map_err(|error| WireError::File {
-            path: path.clone(),
-            reason: first_line(&error.to_string()),
-        })?;
-        endpoints(&mut config, "connect/endpoints", connect)?;
-        endpoints(&mut config, "listen/endpoints", listen)?;
-        return Ok(config);
-    }
-    let mut config = Config::default();
-    for (key, value) in SETTINGS {
-        config
-            .insert_json5(key, value)
-            .map_err(|error| WireError::Setting { key, reason: first_line(&error.to_string()) })?;
-    }
-    let default = || vec![DEFAULT_ENDPOINT.to_owned()];
-    let any_port = || vec!["tcp/127.0.0.1:0".to_owned()];
-    let (default_connect, default_listen) = match role {
-        Role::World => (Vec::new(), default()),
-        Role::Agent => (default(), any_port()),
-        Role::Spectator => (default(), Vec::new()),
-    };
-    let or = |given: &Vec<String>, default| if given.is_empty() { default } else { given.clone() };
-    let is_reached_otherwise = role != Role::World && !listen.is_empty() && connect.is_empty();
-    let connect = if is_reached_otherwise { Vec::new() } else { or(connect, default_connect) };
-    set_endpoints(&mut config, "connect/endpoints", &connect)?;
-    set_endpoints(&mut config, "listen/endpoints", &or(listen, default_listen))?;
-    Ok(config)
-}
-
-/// What differs from Zenoh's defaults, measured on loopback with up to 64 processes: found by
-/// gossip, connected again at once, and queues that hold a burst of a whole fleet.
-const SETTINGS: [(&str, &str); 8] = [
-    ("mode", "'peer'"),
-    ("scouting/multicast/enabled", "false"),
-    ("scouting/gossip/enabled", "true"),
-    ("open/return_conditions/connect_scouted", "false"),
-    ("connect/timeout_ms", "-1"),
-    ("connect/exit_on_failure", "false"),
-    ("connect/retry", "{period_init_ms: 50, period_max_ms: 200, period_increase_factor: 1.5}"),
-    (
-        "transport/link/tx/queue",
-        "{size: {data: 16}, congestion_control: {drop: {wait_before_drop: 20000}}}",
-    ),
-];
-
-fn endpoints(config: &mut Config, key: &'static str, given: &[String]) -> Result<(), WireError> {
-    if given.is_empty() { Ok(()) } else { set_endpoints(config, key, given) }
-}
-
-fn set_endpoints(
-    config: &mut Config,
-    key: &'static str,
-    endpoints: &[String],
-) -> Result<(), WireError> {
-    for endpoint in endpoints {
-        endpoint.parse::<zenoh::config::EndPoint>().map_err(|error| WireError::Endpoint {
-            endpoint: endpoint.clone(),
-            reason: first_line(&error.to_string()),
-        })?;
-    }
-    let list = serde_json::to_string(endpoints).expect("strings are JSON");
-    config
-        .insert_json5(key, &list)
-        .map_err(|error| WireError::Setting { key, reason: first_line(&error.to_string()) })
+    free(address).map_or_else(|| endpoint.to_owned(), |free| format!("{protocol}/{free}"))
 }
 
 /// Zenoh's errors go on with where in its source they arose.
@@ -220,50 +187,12 @@ pub(crate) fn first_line(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::scratch;
-
-    fn endpoints_of(config: &Config, key: &str) -> Vec<String> {
-        serde_json::from_str(&config.get_json(key).unwrap()).unwrap()
-    }
-
-    #[test]
-    fn roles_have_their_endpoints() {
-        for (role, connect, listen) in [
-            (Role::World, vec![], vec![DEFAULT_ENDPOINT]),
-            (Role::Agent, vec![DEFAULT_ENDPOINT], vec!["tcp/127.0.0.1:0"]),
-            (Role::Spectator, vec![DEFAULT_ENDPOINT], vec![]),
-        ] {
-            let config = config(&WireArguments::default(), role).unwrap();
-            assert_eq!(endpoints_of(&config, "connect/endpoints"), connect, "{role:?}");
-            assert_eq!(endpoints_of(&config, "listen/endpoints"), listen, "{role:?}");
-            assert_eq!(config.get_json("scouting/multicast/enabled").unwrap(), "false");
-        }
-    }
 
     #[test]
     fn a_free_port_can_be_told() {
         let endpoint = with_a_port("tcp/127.0.0.1:0");
         assert!(endpoint.starts_with("tcp/127.0.0.1:") && !endpoint.ends_with(":0"), "{endpoint}");
         assert_eq!(with_a_port("tcp/127.0.0.1:7447"), "tcp/127.0.0.1:7447");
-        assert_eq!(listened(&WireArguments::default(), Role::World), [DEFAULT_ENDPOINT]);
-    }
-
-    #[test]
-    fn mistakes_name_what_was_expected() {
-        let arguments = |connect: &str| WireArguments {
-            connect: vec![connect.to_owned()],
-            ..WireArguments::default()
-        };
-        let error = config(&arguments("here"), Role::Agent).unwrap_err().to_string();
-        assert!(error.contains("`here` is no Zenoh endpoint") && error.contains("tcp/"), "{error}");
-        let folder = scratch("wire");
-        let path = folder.join("zenoh.json5");
-        for text in ["{", "{no_such_key: 1}"] {
-            std::fs::write(&path, text).unwrap();
-            let arguments =
-                WireArguments { zenoh_config: Some(path.clone()), ..WireArguments::default() };
-            let error = config(&arguments, Role::Agent).unwrap_err().to_string();
-            assert!(error.contains("zenoh.json5"), "{error}");
-        }
+        assert_eq!(listened(&WireArguments::default(), Role::World), ["tcp/127.0.0.1:7447"]);
     }
 }

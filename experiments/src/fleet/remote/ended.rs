@@ -11,6 +11,10 @@ use csat_netem::link::LinkId;
 pub struct Ended {
     /// All of them.
     pub all: Counters,
+    /// How many frames they looked at.
+    pub looked: u64,
+    /// What they did not believe, by kind.
+    pub refused: BTreeMap<String, u64>,
     links: BTreeMap<LinkId, LinkCounters>,
 }
 

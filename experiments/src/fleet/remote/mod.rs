@@ -5,6 +5,7 @@
 //! | [`port`] | the world's Zenoh keys |
 //! | [`roster`] | which processes there are, and whether all hear each other |
 //! | [`account`] | what a process tells at the end of a step |
+//! | [`silence`] | since when nothing is heard of a process |
 //! | [`ended`] | what the links of processes that are gone did |
 //!
 //! In lockstep a step is a frame for each agent, then turns until nothing is left for the instant,
@@ -15,29 +16,40 @@ pub mod account;
 pub mod ended;
 pub mod port;
 pub mod roster;
+pub mod silence;
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use csat_netem::counters::{Counters, LinkCounters};
 use csat_netem::link::LinkId;
 use csat_proto::control::{Done, FrameHeader, Order, Pace, SaidSoFar};
-use csat_proto::ids::AgentId;
+use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::{SimTime, Step};
 use csat_world::camera::Renderer;
 use rayon::prelude::*;
 
-use self::account::Account;
+use self::account::{Account, Asked};
 use self::ended::Ended;
 use self::port::{News, Port};
 use self::roster::Roster;
+use self::silence::Silence;
 use super::{Brief, Fleet, Flown, Frames};
 use crate::plug::{Detail, Mission};
 use crate::stages;
 use crate::timing::{StageTimes, Stopwatch};
-use crate::wire::rarely::Rarely;
+use crate::wire::refusals;
 
 /// The part of a period after which a step in real time is closed.
 const CLOSE_SHARE: f64 = 0.8;
+
+/// In real time, how long nothing is to be heard of a process until that is told, seconds.
+const SILENCE_S: f64 = 1.0;
+
+/// How often the user is looked after while nothing comes.
+const LOOK: Duration = Duration::from_millis(100);
 
 /// How long processes may take to end.
 const FAREWELL: Duration = Duration::from_secs(2);
@@ -64,6 +76,14 @@ pub enum FleetError {
         /// k.
         step: Step,
     },
+    /// All agents' processes ended, and those that were to be started again did not come.
+    #[error("waited {limit_s} s at step {step} for an agent's process to come back")]
+    Abandoned {
+        /// How long.
+        limit_s: u64,
+        /// k.
+        step: Step,
+    },
 }
 
 /// One agent's process, as far as the current step goes.
@@ -80,10 +100,11 @@ struct Member<R> {
     is_new: bool,
     /// What became of messages to processes that are gone.
     ended: Ended,
-    /// Frames that it was shown in all its lives.
+    /// Frames of its camera so far, whether or not there was a process to look at them.
     shown: u64,
-    /// Frames that processes that are gone looked at.
-    ended_looked: u64,
+    /// Whether its process has said anything since the step began.
+    is_heard: bool,
+    silence: Silence,
 }
 
 /// The agents of a mission in processes of their own.
@@ -97,8 +118,25 @@ pub struct RemoteFleet<M: Mission> {
     render_times: Vec<StageTimes>,
     /// Since the first frame, in real time.
     clock: Option<Stopwatch>,
-    /// Reports that were not understood.
-    damaged: Rarely,
+    /// Whether processes that end are started again; if so, it is set when the user wants the mission to
+    /// end.
+    restarts: Option<Arc<AtomicBool>>,
+    /// Since when no process takes part.
+    deserted: Option<Stopwatch>,
+    /// What is flown now.
+    now: Now,
+}
+
+/// How far the world is: what an answer must be of to be believed.
+#[derive(Debug, Default)]
+struct Now {
+    step: Step,
+    /// Lockstep: the turn that is taken, 0 for the frame.
+    round: u32,
+    /// What agents were asked for last in this step.
+    asked: Option<Asked>,
+    /// The life of each agent, by index.
+    lives: Vec<Option<Incarnation>>,
 }
 
 impl<M: Mission> RemoteFleet<M> {
@@ -116,7 +154,8 @@ impl<M: Mission> RemoteFleet<M> {
             is_new: false,
             ended: Ended::default(),
             shown: 0,
-            ended_looked: 0,
+            is_heard: false,
+            silence: Silence::default(),
         };
         Self {
             renderers: renderers.collect(),
@@ -127,8 +166,16 @@ impl<M: Mission> RemoteFleet<M> {
             pace,
             patience,
             clock: None,
-            damaged: Rarely::new(),
+            restarts: None,
+            deserted: None,
+            now: Now::default(),
         }
+    }
+
+    /// The same, for processes that are started again when they end. When none is left it waits for one,
+    /// until `interrupted`.
+    pub fn with_restarts(self, interrupted: Arc<AtomicBool>) -> Self {
+        Self { restarts: Some(interrupted), ..self }
     }
 
     /// Waits until every agent has a process and all hear each other. `progress` is told how many do.
@@ -156,7 +203,7 @@ impl<M: Mission> RemoteFleet<M> {
             if left.is_zero() {
                 return Err(late(limit, &missing, self.roster.what_is_missing(&missing)));
             }
-            if let Some(news) = self.port.next(left.min(Duration::from_millis(100))) {
+            if let Some(news) = self.port.next(left.min(LOOK)) {
                 self.take(news);
             }
         }
@@ -165,7 +212,7 @@ impl<M: Mission> RemoteFleet<M> {
     /// Ends the mission for all processes, and waits a little until they are gone: what is said last
     /// must not be overtaken by the end of this process.
     pub fn end(&mut self, reason: &str) {
-        self.port.voice().say(&Order::End { reason: reason.to_owned() });
+        self.port.voice().say(Order::End { reason: reason.to_owned() });
         let watch = Stopwatch::start();
         while self.roster.is_joined() {
             match self.port.next(watch.left(FAREWELL)) {
@@ -192,30 +239,91 @@ impl<M: Mission> RemoteFleet<M> {
     }
 
     fn done(&mut self, agent: AgentId, done: Done) {
-        if self.roster.process(agent) != Some(done.process) {
+        if let Err(reason) = self.check_done(agent, &done) {
+            self.port.refusals().count("answer", &format!("UAV {agent}: {reason}"));
             return;
         }
         let member = &mut self.members[usize::from(agent.0)];
+        member.is_heard = true;
         member.done = Some((done.step, done.round));
         member.said = done.said;
         member.due = done.due;
         member.commands.extend(done.commands);
     }
 
+    /// The first answer to what was asked counts, if it can be one.
+    fn check_done(&self, agent: AgentId, done: &Done) -> Result<(), String> {
+        self.check_process(agent, done.process)?;
+        let Now { step, round, ref lives, .. } = self.now;
+        let (index, got) = (usize::from(agent.0), (done.step, done.round));
+        match self.pace {
+            Pace::Lockstep if got != (step, round) || self.members[index].done == Some(got) => {
+                return Err(format!(
+                    "turn {} of step {}, expected {round} of {step}",
+                    got.1, got.0
+                ));
+            }
+            Pace::Realtime(_) if done.step > step => {
+                return Err(format!("step {} at step {step}", done.step));
+            }
+            _ => {}
+        }
+        let Some(said) = &done.said else { return Ok(()) };
+        let before = self.members[index].said.as_ref();
+        let goes_on =
+            before.filter(|before| before.incarnation == said.incarnation).is_none_or(|before| {
+                said.next.iter().zip(&before.next).all(|(next, before)| next >= before)
+            });
+        let is_own = said.agent == agent && lives.get(index) == Some(&Some(said.incarnation));
+        // In real time it may not know yet that it is another life.
+        let is_own = is_own || self.pace != Pace::Lockstep && said.agent == agent;
+        if is_own && goes_on && said.is_possible(step) {
+            return Ok(());
+        }
+        Err(format!("it cannot have said {:?} in life {}", said.next, said.incarnation))
+    }
+
+    fn check_process(&self, agent: AgentId, process: u64) -> Result<(), String> {
+        match self.roster.process(agent) {
+            Some(own) if own == process => Ok(()),
+            _ => Err(format!("process {process} does not fly it")),
+        }
+    }
+
     fn account(&mut self, agent: AgentId, bytes: &[u8]) {
-        match Account::<M::Report>::decode(bytes) {
-            Ok(account) if self.roster.process(agent) == Some(account.process) => {
+        let account = Account::<M::Report>::decode(bytes).map_err(|error| error.to_string());
+        match account.and_then(|account| self.check_account(agent, account)) {
+            Ok(account) => {
                 let member = &mut self.members[usize::from(agent.0)];
                 member.account = Some(account);
-                member.is_new = true;
+                (member.is_new, member.is_heard) = (true, true);
             }
-            Ok(_) => {}
-            Err(error) => {
-                if let Some(times) = self.damaged.another() {
-                    tracing::warn!(%agent, %error, times, "report not understood");
-                }
+            Err(reason) => {
+                self.port.refusals().count("report", &format!("UAV {agent}: {reason}"));
             }
         }
+    }
+
+    /// A report is of what was asked for: in lockstep after the last turn, so that one that was asked for
+    /// by another is never taken for it.
+    fn check_account(
+        &self,
+        agent: AgentId,
+        account: Account<M::Report>,
+    ) -> Result<Account<M::Report>, String> {
+        let head = &account.head;
+        self.check_process(agent, head.process)?;
+        let Now { step, round, asked, .. } = self.now;
+        let is_expected = match self.pace {
+            Pace::Lockstep => (head.step, head.round, Some(head.asked)) == (step, round, asked),
+            Pace::Realtime(_) => {
+                head.step <= step && (head.asked == Asked::All) == (asked == Some(Asked::All))
+            }
+        };
+        if is_expected {
+            return Ok(account);
+        }
+        Err(format!("of turn {} of step {}, at {round} of {step}", head.round, head.step))
     }
 
     /// A process is gone, and with it what was on its way to it.
@@ -224,7 +332,8 @@ impl<M: Mission> RemoteFleet<M> {
         if let Some(account) = &mut member.account {
             let counters = std::mem::take(&mut account.counters);
             member.ended.bury(counters, std::mem::take(&mut account.links));
-            member.ended_looked += std::mem::take(&mut account.looked);
+            member.ended.looked += std::mem::take(&mut account.head.looked);
+            refusals::add(&mut member.ended.refused, &std::mem::take(&mut account.head.refused));
         }
         (member.done, member.said, member.due, member.is_new) = (None, None, None, false);
         member.commands.clear();
@@ -250,12 +359,46 @@ impl<M: Mission> RemoteFleet<M> {
         }
     }
 
+    /// In lockstep, when no process is left: waits until one that was started again takes part.
+    fn await_restart(&mut self) {
+        let Some(interrupted) = self.restarts.clone() else { return };
+        let watch = Stopwatch::start();
+        while self.is_deserted()
+            && !interrupted.load(Ordering::SeqCst)
+            && !watch.left(self.patience).is_zero()
+        {
+            if let Some(news) = self.port.next(LOOK) {
+                self.take(news);
+            }
+            self.roster.admit();
+        }
+    }
+
+    fn is_deserted(&self) -> bool {
+        self.roster.present().next().is_none()
+    }
+
+    /// Whether a step can be flown: somebody is there or, if processes are started again, may still come.
+    fn check_presence(&mut self, step: Step) -> Result<(), FleetError> {
+        if !self.is_deserted() {
+            self.deserted = None;
+            return Ok(());
+        }
+        let since = *self.deserted.get_or_insert_with(Stopwatch::start);
+        let Some(interrupted) = &self.restarts else { return Err(FleetError::Deserted { step }) };
+        // In lockstep they have been waited for; in real time it goes on meanwhile.
+        let may_come = self.pace != Pace::Lockstep && !since.left(self.patience).is_zero();
+        if may_come || interrupted.load(Ordering::SeqCst) {
+            return Ok(());
+        }
+        Err(FleetError::Abandoned { limit_s: self.patience.as_secs(), step })
+    }
+
     /// Renders and sends all frames.
     fn show_frames(&mut self, brief: &Brief) {
         let said: Vec<SaidSoFar> = self.said();
-        for agent in self.roster.present() {
-            let index = usize::from(agent.0);
-            self.members[index].shown += u64::from(brief.lives[index].is_some());
+        for (member, is_down) in self.members.iter_mut().zip(&brief.is_down_by_schedule) {
+            member.shown += u64::from(!is_down);
         }
         let Self { port, roster, renderers, render_times, .. } = self;
         let (voice, roster, said) = (port.voice(), &*roster, &said);
@@ -270,6 +413,7 @@ impl<M: Mission> RemoteFleet<M> {
                 stages::collect(|| incarnation.map(|_| brief.frame(renderer, agent)));
             *times = rendered;
             let header = FrameHeader {
+                world: voice.world(),
                 step: brief.step,
                 time: brief.now,
                 next: brief.next,
@@ -305,7 +449,8 @@ impl<M: Mission> RemoteFleet<M> {
                 }
             }
             round += 1;
-            self.port.voice().say(&Order::Turn { step, round, now, said: said.clone() });
+            self.now.round = round;
+            self.port.voice().say(Order::Turn { step, round, now, said: said.clone() });
             heard = said;
             self.wait(|| format!("finish turn {round} of step {step}"), finished(round))?;
         }
@@ -328,18 +473,41 @@ impl<M: Mission> RemoteFleet<M> {
 
     fn fly_lockstep(&mut self, brief: &Brief) -> Result<(), FleetError> {
         self.settle(brief)?;
-        let (step, full) = (brief.step, brief.detail == Detail::Full);
-        self.port.voice().say(&Order::Close { step, full });
+        let step = brief.step;
+        self.close(brief.detail);
         self.wait(|| format!("report on step {step}"), |member| member.is_new)
+    }
+
+    /// Asks for what the step came to.
+    fn close(&mut self, detail: Detail) {
+        let full = detail == Detail::Full;
+        self.now.asked = Some(if full { Asked::Full } else { Asked::Brief });
+        self.port.voice().say(Order::Close { step: self.now.step, full });
     }
 
     fn fly_realtime(&mut self, brief: &Brief, speed: f64) {
         let step = f64::from(brief.step.0);
         let period_s = brief.next.seconds_since(brief.now);
         self.pass_time(step + CLOSE_SHARE, period_s, speed);
-        let full = brief.detail == Detail::Full;
-        self.port.voice().say(&Order::Close { step: brief.step, full });
+        self.close(brief.detail);
         self.pass_time(step + 1.0, period_s, speed);
+    }
+
+    /// Keeps account of who said nothing in a step that is over.
+    fn note_silence(&mut self, brief: &Brief) {
+        let least_s = match self.pace {
+            Pace::Lockstep => 0.0,
+            Pace::Realtime(speed) => SILENCE_S * speed,
+        };
+        let span_s = (brief.now.seconds(), brief.next.seconds());
+        let members = self.members.iter_mut().zip(&brief.is_down_by_schedule).enumerate();
+        for (index, (member, is_down)) in members {
+            let is_heard = std::mem::take(&mut member.is_heard) || *is_down;
+            if member.silence.note(span_s, is_heard, least_s) {
+                let since_s = span_s.1 - member.silence.lasts_s();
+                tracing::warn!(agent = index, since_s, "nothing is heard of its process");
+            }
+        }
     }
 
     /// What everybody told of the step, and nothing of those who told nothing.
@@ -375,32 +543,43 @@ impl<M: Mission> Fleet<M> for RemoteFleet<M> {
             self.take(news);
         }
         self.roster.admit();
+        if self.pace == Pace::Lockstep {
+            self.await_restart();
+        }
         self.roster.attendance()
     }
 
     fn fly(&mut self, brief: &Brief) -> Result<Vec<Flown<M>>, FleetError> {
-        if self.roster.present().next().is_none() {
-            return Err(FleetError::Deserted { step: brief.step });
-        }
+        self.check_presence(brief.step)?;
         if let Pace::Realtime(speed) = self.pace {
             let period_s = brief.next.seconds_since(brief.now);
             self.pass_time(f64::from(brief.step.0), period_s, speed);
         }
+        self.now = Now { step: brief.step, lives: brief.lives.clone(), ..Now::default() };
         self.show_frames(brief);
         match self.pace {
             Pace::Lockstep => self.fly_lockstep(brief)?,
             Pace::Realtime(speed) => self.fly_realtime(brief, speed),
         }
+        self.note_silence(brief);
         Ok(self.collect())
     }
 
     fn show(&mut self) -> Vec<Option<M::Report>> {
         self.members.iter_mut().for_each(|member| member.is_new = false);
-        self.port.voice().say(&Order::Show);
+        self.now.asked = Some(Asked::All);
+        self.port.voice().say(Order::Show { step: self.now.step });
         if let Err(error) = self.wait(|| "show what they know".to_owned(), |member| member.is_new) {
             tracing::warn!(%error, "the picture of the end is not complete");
         }
-        self.members.iter_mut().map(|m| m.account.as_mut().and_then(|a| a.report.take())).collect()
+        let report = |member: &mut Member<M::Report>| {
+            member
+                .account
+                .as_mut()
+                .filter(|_| member.is_new)
+                .and_then(|account| account.report.take())
+        };
+        self.members.iter_mut().map(report).collect()
     }
 
     fn counters(&self) -> Counters {
@@ -424,10 +603,20 @@ impl<M: Mission> Fleet<M> for RemoteFleet<M> {
 
     fn frames(&self) -> Vec<Frames> {
         let frames = |member: &Member<M::Report>| {
-            let looked = member.account.as_ref().map_or(0, |account| account.looked);
-            let missed = member.shown.saturating_sub(member.ended_looked + looked);
-            Frames { shown: member.shown, missed }
+            let looked = member.account.as_ref().map_or(0, |account| account.head.looked);
+            let missed = member.shown.saturating_sub(member.ended.looked + looked);
+            Frames { shown: member.shown, missed, silent_s: member.silence.spans_s() }
         };
         self.members.iter().map(frames).collect()
+    }
+
+    fn refused(&self) -> BTreeMap<String, u64> {
+        let mut all = self.port.refusals().counts();
+        for member in &self.members {
+            refusals::add(&mut all, &member.ended.refused);
+            let account = member.account.iter();
+            account.for_each(|account| refusals::add(&mut all, &account.head.refused));
+        }
+        all
     }
 }

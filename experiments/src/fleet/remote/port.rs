@@ -3,7 +3,7 @@
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Duration;
 
-use csat_proto::control::{Done, FrameHeader, Join, Order, Pace, Ready, Welcome};
+use csat_proto::control::{Announcement, Done, FrameHeader, Join, Order, Ready, Welcome};
 use csat_proto::frame::Frame;
 use csat_proto::frame_wire;
 use csat_proto::ids::AgentId;
@@ -17,6 +17,7 @@ use zenoh::{Session, Wait};
 
 use crate::wire::hearing::{json, queueing};
 use crate::wire::pace::congestion_control;
+use crate::wire::refusals::Refusals;
 
 /// How much may wait to be read: a few rounds of a fleet of hundreds.
 const QUEUE: usize = 16_384;
@@ -68,6 +69,7 @@ impl JoinQuery {
 /// The world's side of the wire.
 pub struct Port {
     news: Receiver<News>,
+    refusals: Refusals,
     voice: Voice,
     _subscribers: Vec<Subscriber<()>>,
     _join: Queryable<()>,
@@ -76,40 +78,42 @@ pub struct Port {
 
 /// What the world says to processes; threads may share it.
 pub struct Voice {
+    world: u64,
     clock: Publisher<'static>,
     frames: Vec<Publisher<'static>>,
 }
 
 impl Port {
-    /// Declares everything for a fleet of `count` that flies at this pace.
+    /// Declares everything for a fleet of `count` that is told `welcome`.
     ///
     /// # Errors
     /// What Zenoh says.
-    pub fn declare(session: &Session, keys: Keys, count: usize, pace: Pace) -> zenoh::Result<Self> {
+    pub fn declare(session: &Session, welcome: &Welcome, count: usize) -> zenoh::Result<Self> {
         let (sender, news) = sync_channel(QUEUE);
-        let control = congestion_control(pace);
+        let (keys, refusals) = (Keys(welcome.run), Refusals::default());
+        let control = congestion_control(welcome.pace);
         let publish = |key: String| {
             session.declare_publisher(key).congestion_control(control).express(true).wait()
         };
-        let subscribe = |key: &str, read: fn(AgentId, &Sample) -> Option<News>| {
+        let subscribe = |key: &str, read: Read| {
             session
                 .declare_subscriber(keys.of(key))
-                .callback(queueing(&sender, of_agent("uav", read)))
+                .callback(queueing(&sender, &refusals, of_agent("uav", read)))
                 .wait()
         };
-        let presence = |agent, sample: &Sample| match sample.kind() {
+        let presence: Read = |agent, sample, _| match sample.kind() {
             SampleKind::Put => Some(News::Here(agent)),
             SampleKind::Delete => Some(News::Gone(agent)),
         };
         let alive = session
             .liveliness()
             .declare_subscriber(keys.of("alive/*"))
-            .callback(queueing(&sender, of_agent("alive", presence)))
+            .callback(queueing(&sender, &refusals, of_agent("alive", presence)))
             .wait()?;
         let subscribers = vec![
-            subscribe("uav/*/ready", |agent, s| Some(News::Ready(agent, json(s)?)))?,
-            subscribe("uav/*/command", |agent, s| Some(News::Done(agent, json(s)?)))?,
-            subscribe("uav/*/report", |agent, s| {
+            subscribe("uav/*/ready", |agent, s, r| Some(News::Ready(agent, json(s, r)?)))?,
+            subscribe("uav/*/command", |agent, s, r| Some(News::Done(agent, json(s, r)?)))?,
+            subscribe("uav/*/report", |agent, s, _| {
                 Some(News::Account(agent, s.payload().to_bytes().into_owned()))
             })?,
             alive,
@@ -117,7 +121,9 @@ impl Port {
         let frames = (0..count).map(|index| publish(keys.frame(AgentId(index as u16))));
         Ok(Self {
             news,
+            refusals,
             voice: Voice {
+                world: welcome.world,
                 clock: publish(keys.clock())?,
                 frames: frames.collect::<zenoh::Result<_>>()?,
             },
@@ -135,6 +141,11 @@ impl Port {
         self.news.recv_timeout(limit).ok()
     }
 
+    /// What is not believed of what comes.
+    pub fn refusals(&self) -> &Refusals {
+        &self.refusals
+    }
+
     /// What the world says.
     pub fn voice(&self) -> &Voice {
         &self.voice
@@ -143,9 +154,15 @@ impl Port {
 
 impl Voice {
     /// Says something to all processes.
-    pub fn say(&self, order: &Order) {
-        let text = serde_json::to_string(order).expect("an order is JSON");
+    pub fn say(&self, order: Order) {
+        let announcement = Announcement { world: self.world, order };
+        let text = serde_json::to_string(&announcement).expect("an order is JSON");
         put(self.clock.put(text).encoding(Encoding::APPLICATION_JSON));
+    }
+
+    /// The number that frames bear, too.
+    pub fn world(&self) -> u64 {
+        self.world
     }
 
     /// Sends a frame to an agent; `frame` is `None` while it is down.
@@ -163,15 +180,22 @@ fn put(put: zenoh::pubsub::PublisherPutBuilder<'_>) {
     }
 }
 
-/// Reads what an agent says under a key below `below`.
+/// Reads a sample of an agent.
+type Read = fn(AgentId, &Sample, &Refusals) -> Option<News>;
+
+/// Reads what an agent says under a key below `below`; of a pattern of keys nothing is read.
 fn of_agent(
     below: &'static str,
-    read: fn(AgentId, &Sample) -> Option<News>,
-) -> impl Fn(&Sample) -> Option<News> + Send + Sync + 'static {
-    move |sample| {
-        let (_, name) = split(sample.key_expr().as_str())?;
-        let (agent, _) = split_agent(name, below)?;
-        read(agent, sample)
+    read: Read,
+) -> impl Fn(&Sample, &Refusals) -> Option<News> + Send + Sync + 'static {
+    move |sample, refusals| {
+        let key = sample.key_expr();
+        let named = split(key.as_str()).and_then(|(_, name)| split_agent(name, below));
+        // The world's own token is no agent's either.
+        if named.is_none() && below == "uav" {
+            refusals.count("key", &format!("`{key}` names no agent"));
+        }
+        read(named?.0, sample, refusals)
     }
 }
 
@@ -188,5 +212,22 @@ fn joining(sender: &SyncSender<News>) -> impl Fn(Query) + Send + Sync + 'static 
                 let _ = query.reply_err(reason).wait();
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use csat_proto::time::Step;
+
+    /// As docs/simulator.md has it.
+    #[test]
+    fn an_order_bears_its_world() {
+        let order = Order::Close { step: Step(7), full: false };
+        let text = serde_json::to_string(&Announcement { world: 5, order }).unwrap();
+        assert_eq!(text, r#"{"world":5,"order":"close","step":7,"full":false}"#);
+        let back: Announcement = serde_json::from_str(&text).unwrap();
+        assert_eq!(back.world, 5);
+        assert!(serde_json::from_str::<Announcement>(r#"{"order":"end","reason":""}"#).is_err());
     }
 }

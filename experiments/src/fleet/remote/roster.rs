@@ -23,6 +23,8 @@ pub struct Roster {
     welcome: Welcome,
     seats: Vec<Place>,
     token_limit: Duration,
+    /// Whether all have taken part at once, as they do at the start.
+    is_complete: bool,
 }
 
 /// An agent's place in the roster.
@@ -34,14 +36,15 @@ struct Place {
     tokenless: Option<Stopwatch>,
     /// Whether it takes part.
     is_admitted: bool,
-    /// Whom it hears, with their processes.
-    heard: BTreeMap<AgentId, u64>,
+    /// Whom it hears, with their processes; `None` until it says so: it may not listen yet.
+    heard: Option<BTreeMap<AgentId, u64>>,
 }
 
 impl Roster {
     /// A roster of `count` empty places; whoever joins is told `welcome`.
     pub fn new(welcome: Welcome, count: usize) -> Self {
-        Self { welcome, seats: vec![Place::default(); count], token_limit: TOKEN_LIMIT }
+        let seats = vec![Place::default(); count];
+        Self { welcome, seats, token_limit: TOKEN_LIMIT, is_complete: false }
     }
 
     /// How many agents there are to be.
@@ -135,7 +138,7 @@ impl Roster {
         tracing::debug!(%agent, ?ready, "hears");
         let place = self.seats.get_mut(usize::from(agent.0));
         if let Some(place) = place.filter(|place| place.process == Some(ready.process)) {
-            place.heard = ready.heard.iter().copied().collect();
+            place.heard = Some(ready.heard.iter().copied().collect());
         }
     }
 
@@ -153,29 +156,37 @@ impl Roster {
         std::mem::take(place).is_admitted
     }
 
-    /// Lets take part whoever hears, and is heard by, all that do.
+    /// Lets take part whoever listens, and hears and is heard by all that do.
     pub fn admit(&mut self) {
-        if self.present().next().is_none() {
-            // At the start all take part at once, or nobody does.
+        if !self.is_complete {
+            // At the start all take part at once, or none does.
             let all: Vec<AgentId> = (0..self.seats.len() as u16).map(AgentId).collect();
-            if all.iter().all(|a| all.iter().all(|b| a == b || self.hear_each_other(*a, *b))) {
-                self.seats.iter_mut().for_each(|p| p.is_admitted = p.process.is_some());
+            self.is_complete = all.iter().all(|agent| self.may_join(*agent, &all));
+            if self.is_complete {
+                self.seats.iter_mut().for_each(|place| place.is_admitted = true);
             }
             return;
         }
         for agent in self.missing() {
             let others: Vec<AgentId> = self.present().collect();
-            if others.iter().all(|other| self.hear_each_other(agent, *other)) {
-                let place = &mut self.seats[usize::from(agent.0)];
-                place.is_admitted = place.process.is_some();
-            }
+            self.seats[usize::from(agent.0)].is_admitted = self.may_join(agent, &others);
         }
+    }
+
+    /// Whether an agent's process listens, and hears and is heard by these others.
+    fn may_join(&self, agent: AgentId, others: &[AgentId]) -> bool {
+        let place = &self.seats[usize::from(agent.0)];
+        let mut others = others.iter().filter(|other| **other != agent);
+        place.process.is_some()
+            && place.heard.is_some()
+            && others.all(|other| self.hear_each_other(agent, *other))
     }
 
     fn hear_each_other(&self, a: AgentId, b: AgentId) -> bool {
         let hears = |a: AgentId, b: AgentId| {
             let process = self.seats[usize::from(b.0)].process;
-            process.is_some() && self.seats[usize::from(a.0)].heard.get(&b).copied() == process
+            let heard = self.seats[usize::from(a.0)].heard.as_ref();
+            process.is_some() && heard.and_then(|heard| heard.get(&b)).copied() == process
         };
         hears(a, b) && hears(b, a)
     }
@@ -188,25 +199,31 @@ mod tests {
 
     use super::*;
 
-    fn join(process: u64) -> Join {
-        Join { protocol: PROTOCOL, program: "test".to_owned(), agent: AgentId(0), process }
+    fn join_as(agent: u16, process: u64) -> Join {
+        let program = "test".to_owned();
+        Join { protocol: PROTOCOL, program, agent: AgentId(agent), process }
     }
 
-    fn roster() -> Roster {
+    fn join(process: u64) -> Join {
+        join_as(0, process)
+    }
+
+    fn roster(count: usize) -> Roster {
         let welcome = Welcome {
             protocol: PROTOCOL,
             run: RunId(1),
+            world: 9,
             name: "test".to_owned(),
             scenario: String::new(),
             map: None,
             pace: Pace::Lockstep,
         };
-        Roster::new(welcome, 1)
+        Roster::new(welcome, count)
     }
 
     #[test]
     fn who_dies_before_it_holds_a_token_loses_its_place() {
-        let mut roster = roster();
+        let mut roster = roster(1);
         roster.seat(&join(1));
         assert!(roster.judge(&join(2)).is_err(), "it may be about to declare it");
         assert_eq!(roster.judge(&join(1)), Ok(()));
@@ -217,5 +234,47 @@ mod tests {
         assert!(roster.judge(&join(3)).is_err());
         roster.gone(AgentId(0));
         assert_eq!(roster.judge(&join(3)), Ok(()));
+    }
+
+    /// The process of UAV `agent` says that it listens and hears these.
+    fn ready(roster: &mut Roster, agent: u16, process: u64, heard: &[(u16, u64)]) {
+        let heard = heard.iter().map(|(agent, process)| (AgentId(*agent), *process)).collect();
+        roster.ready(AgentId(agent), &Ready { process, heard });
+        roster.admit();
+    }
+
+    #[test]
+    fn who_does_not_listen_yet_takes_no_part() {
+        let mut alone = roster(1);
+        alone.seat(&join(7));
+        alone.admit();
+        assert_eq!(alone.attendance(), [None], "its first frame would be lost");
+        ready(&mut alone, 0, 7, &[]);
+        assert_eq!(alone.attendance(), [Some(7)]);
+    }
+
+    #[test]
+    fn all_take_part_at_once_and_then_each_that_comes_back() {
+        let mut roster = roster(2);
+        for agent in [0, 1] {
+            roster.seat(&join_as(agent, 10 + u64::from(agent)));
+        }
+        ready(&mut roster, 0, 10, &[(1, 11)]);
+        assert_eq!(roster.attendance(), [None, None]);
+        ready(&mut roster, 1, 11, &[(0, 10)]);
+        assert_eq!(roster.attendance(), [Some(10), Some(11)]);
+        // Both die: each is back as soon as it can be.
+        roster.gone(AgentId(0));
+        roster.gone(AgentId(1));
+        roster.seat(&join_as(1, 21));
+        ready(&mut roster, 1, 21, &[]);
+        assert_eq!(roster.attendance(), [None, Some(21)]);
+        roster.seat(&join_as(0, 20));
+        ready(&mut roster, 0, 20, &[]);
+        assert_eq!(roster.attendance(), [None, Some(21)], "it does not hear UAV 1 yet");
+        ready(&mut roster, 0, 20, &[(1, 21)]);
+        assert_eq!(roster.attendance(), [None, Some(21)], "UAV 1 does not hear it yet");
+        ready(&mut roster, 1, 21, &[(0, 20)]);
+        assert_eq!(roster.attendance(), [Some(20), Some(21)]);
     }
 }

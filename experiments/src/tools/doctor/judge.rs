@@ -10,6 +10,11 @@ use super::run::Run;
 use crate::tools::keys::{When, intersects, nearest, when};
 use crate::tools::rates;
 
+/// Why a session may be connected to nobody, though something takes connections.
+pub const LOCKED_OUT: &str = "whoever takes the connection is no Zenoh that lets this one in: another \
+                              program's port, TLS, access control, or a client (clients meet routers and \
+                              peers only)";
+
 /// A session that does not open.
 pub fn unopened(error: &str) -> Finding {
     let (text, advice) = error.split_once("\n  = ").unwrap_or((error, "expected free ports"));
@@ -30,10 +35,7 @@ pub fn session(zid: &str, peers: usize, places: &Places, is_hopeless: bool) -> F
     if places.connect.is_empty() {
         return finding.advice("nobody came: others need --connect to where this one listens");
     }
-    finding.advice(
-        "whoever takes the connection is no Zenoh that lets this one in: another program's port, TLS, \
-         access control, or a client (clients meet routers and peers only)",
-    )
+    finding.advice(LOCKED_OUT)
 }
 
 /// No run, or not the one that was asked for.

@@ -29,6 +29,7 @@ use run::{Heard, Run};
 use super::ear::{Ear, Listen};
 use super::keys::{self, BadKey, key_expression};
 use crate::timing::Stopwatch;
+use crate::wire::config::config;
 use crate::wire::session::{self, Role, WireArguments, WireError};
 use crate::words::counted;
 
@@ -145,7 +146,7 @@ pub fn examine(
     tell: &mut dyn FnMut(&Finding),
 ) -> Result<Diagnosis, DoctorError> {
     let key = arguments.key.as_deref().map(|key| key_expression(Some(key))).transpose()?;
-    let config = session::config(&arguments.wire, Role::Spectator)?;
+    let config = config(&arguments.wire, Role::Spectator)?;
     let mut examination = Examination { tell, diagnosis: Diagnosis::default() };
     let places = Places::of(&config);
     examination.found(places.configured());
@@ -154,7 +155,7 @@ pub fn examine(
     examination.found(reached.findings);
     let session = match session::open(&arguments.wire, Role::Spectator) {
         Ok(session) => session,
-        Err(error @ WireError::Open { .. }) => {
+        Err(error @ (WireError::Open { .. } | WireError::Protocol(_))) => {
             examination.found([judge::unopened(&error.to_string())]);
             return Ok(examination.diagnosis);
         }
@@ -177,6 +178,20 @@ pub fn examine(
     examined?;
     examination.found([judge::other_tools(&places)]);
     Ok(examination.diagnosis)
+}
+
+/// What came of connecting, in a line for each endpoint, for a process that nobody answers.
+pub fn why_nobody(session: &Session, wire: &WireArguments, role: Role) -> String {
+    let places = config(wire, role).map(|config| Places::of(&config)).unwrap_or_default();
+    let reached = places.reach();
+    let mut lines: Vec<String> = reached.findings.iter().map(|f| f.text.clone()).collect();
+    let peers = peers(session);
+    if peers > 0 {
+        lines.push(format!("connected to {}, none of them a world", counted(peers, "process")));
+    } else if !reached.is_hopeless {
+        lines.push(format!("connected to nobody: {}", judge::LOCKED_OUT));
+    }
+    lines.join("\n")
 }
 
 /// Waits for others, and listens to them if there are any.

@@ -9,12 +9,10 @@ use zenoh::Config;
 use zenoh::config::EndPoint;
 
 use super::finding::Finding;
+use crate::wire::config::unspoken;
 
 /// How long a connection may take.
 const LIMIT: Duration = Duration::from_secs(1);
-
-/// The protocols that this program speaks.
-const BUILT_FOR: &[&str] = if cfg!(feature = "tls") { &["tcp", "tls"] } else { &["tcp"] };
 
 /// The endpoints of a configuration.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -113,15 +111,8 @@ fn try_one(endpoint: &str) -> Finding {
         Ok(parsed) => parsed,
         Err(error) => return Finding::problem("endpoint", format!("{endpoint}: {error}")),
     };
-    let protocol = parsed.protocol();
-    // TLS is spoken over TCP: whoever takes connections can be told apart all the same.
-    if !BUILT_FOR.contains(&protocol.as_str()) {
-        let built_for = BUILT_FOR.join(" and ");
-        return Finding::problem(
-            "endpoint",
-            format!("{endpoint}: this csat is built for {built_for} only, not for {protocol}"),
-        )
-        .advice("expected such as tcp/127.0.0.1:7447");
+    if let Some(text) = unspoken(&parsed) {
+        return Finding::problem("endpoint", text).advice("expected such as tcp/127.0.0.1:7447");
     }
     match connect(parsed.address().as_str()) {
         Ok(()) => Finding::ok("endpoint", format!("{endpoint} takes connections")),
@@ -161,7 +152,8 @@ fn unreachable_place(endpoint: &str, error: &io::Error) -> Finding {
 mod tests {
     use super::*;
     use crate::tools::doctor::Level;
-    use crate::wire::session::{Role, WireArguments, config};
+    use crate::wire::config::config;
+    use crate::wire::session::{Role, WireArguments};
     use std::net::TcpListener;
 
     fn levels(places: &Places) -> (Level, Vec<Level>) {

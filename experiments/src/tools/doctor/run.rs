@@ -95,9 +95,11 @@ impl Run {
     fn obey(&mut self, order: &[u8]) {
         self.orders += 1;
         match serde_json::from_slice(order) {
-            Ok(Order::Turn { step, .. } | Order::Close { step, .. }) => self.step = Some(step.0),
+            Ok(Order::Turn { step, .. } | Order::Close { step, .. } | Order::Show { step }) => {
+                self.step = Some(step.0);
+            }
             Ok(Order::End { reason }) => self.ended = Some(reason),
-            Ok(Order::Show) | Err(_) => {}
+            Err(_) => {}
         }
     }
 
@@ -136,7 +138,7 @@ mod tests {
         let heard = heard(
             &[
                 ("csat/1/clock", r#"{"order":"close","step":7,"full":false}"#),
-                ("csat/1/clock", r#"{"order":"show"}"#),
+                ("csat/1/clock", r#"{"order":"show","step":7}"#),
                 ("csat/1/clock", "?"),
                 ("csat/1/uav/3/frame", ""),
                 ("csat/1/view/0/pose", "{}"),
