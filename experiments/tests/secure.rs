@@ -36,7 +36,9 @@ fn listening(pids: &BTreeSet<u32>) -> Vec<SocketAddr> {
         for entry in std::fs::read_dir(format!("/proc/{pid}/fd")).into_iter().flatten().flatten() {
             let link = std::fs::read_link(entry.path()).unwrap_or_default();
             let link = link.to_string_lossy().into_owned();
-            own.extend(link.strip_prefix("socket:[").map(|rest| rest.trim_end_matches(']').to_owned()));
+            own.extend(
+                link.strip_prefix("socket:[").map(|rest| rest.trim_end_matches(']').to_owned()),
+            );
         }
     }
     let mut all = Vec::new();
@@ -88,7 +90,8 @@ fn peers(session: &Session) -> usize {
 /// Who hears everything, says it at once and as the world itself would: without access control this ends a
 /// mission, with a digest of its own.
 fn forge(session: &Session, own: &str) {
-    let orders = session.declare_subscriber("csat/5/clock").with(RingChannel::new(1)).wait().unwrap();
+    let orders =
+        session.declare_subscriber("csat/5/clock").with(RingChannel::new(1)).wait().unwrap();
     let order = orders.recv().expect("who belongs to the fleet may look on");
     let order: serde_json::Value = serde_json::from_slice(&order.payload().to_bytes()).unwrap();
     let (world, step) = (&order["world"], order["step"].as_u64().unwrap());
@@ -99,12 +102,18 @@ fn forge(session: &Session, own: &str) {
         put("clock", json!({"world": world, "order": "end", "reason": "forged"}));
         put("**", json!({"world": world, "order": "end", "reason": "forged"}));
         for step in step..step + 40 {
-            put("clock", json!({"world": world, "order": "turn", "step": step, "round": 1, "now": 0,
-                "said": [{"agent": 0, "incarnation": 0, "next": [4000]}]}));
+            put(
+                "clock",
+                json!({"world": world, "order": "turn", "step": step, "round": 1, "now": 0,
+                "said": [{"agent": 0, "incarnation": 0, "next": [4000]}]}),
+            );
             for uav in ["0", "1"].into_iter().filter(|uav| *uav != own) {
                 put(&format!("uav/{uav}/frame"), json!({}));
-                put(&format!("uav/{uav}/command"), json!({"process": 1, "step": step, "round": 0,
-                    "said": null, "due": null, "commands": []}));
+                put(
+                    &format!("uav/{uav}/command"),
+                    json!({"process": 1, "step": step, "round": 0,
+                    "said": null, "due": null, "commands": []}),
+                );
                 put(&format!("link/{uav}/0"), json!("no message"));
             }
         }
@@ -146,7 +155,8 @@ fn a_fleet_with_the_recipe_flies_as_ever_and_lets_no_stranger_speak() {
     }
     // Who looks on with the same configuration sees what there is to see.
     let look = ["echo", "view/0/pose", "--once", "--patience", "30", "--connect", &endpoint];
-    let output = csat(folder.path(), &[&look[..], &["--zenoh-config", "secure/zenoh.json5"]].concat());
+    let output =
+        csat(folder.path(), &[&look[..], &["--zenoh-config", "secure/zenoh.json5"]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
 
     let output = end(fleet);
