@@ -150,6 +150,10 @@ pub struct SweepArguments {
     /// Do not fly perfect links
     #[arg(long, conflicts_with = "merge")]
     pub no_baseline: bool,
+    /// What the report's differences within a seed are from: a value of what varies, or `perfect` for
+    /// perfect links [default: perfect links where they are flown to compare with, else the first value]
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub against: Option<String>,
     /// Missions at a time, each on one thread; files are the same for any number [default: one per
     /// core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -157,9 +161,13 @@ pub struct SweepArguments {
     /// Fly only the i-th of n parts (from 1), in a folder that all parts may share; needs --out
     #[arg(long, value_name = "I/N", requires = "out", conflicts_with = "merge")]
     pub shard: Option<String>,
-    /// Go on with the same sweep: what is flown stays, what failed is flown again
+    /// Go on with the same sweep, or let it grow by seeds, values or keys: what is flown stays, what
+    /// failed is flown again
     #[arg(long, conflicts_with = "merge")]
     pub resume: bool,
+    /// With --resume or --merge: take runs of other versions of csat, too; the report names them
+    #[arg(long)]
+    pub mix_versions: bool,
     /// Go on when a run fails or violates a guarantee; this is the default
     #[arg(long, conflicts_with_all = ["merge", "fail_fast"])]
     pub keep_going: bool,
@@ -172,7 +180,8 @@ pub struct SweepArguments {
     /// The sweep's folder, new or empty without --resume [default: sweeps/SCENARIO-KEYS, numbered]
     #[arg(long, value_name = "DIR", conflicts_with = "merge")]
     pub out: Option<PathBuf>,
-    /// Bring the runs of these folders of one sweep into the first and make its tables and report
+    /// Bring the runs of these folders into the first and make its tables and report; seeds and values
+    /// may differ
     #[arg(long, value_name = "DIR", num_args = 1..)]
     pub merge: Vec<PathBuf>,
     /// Print what became of the runs as JSON on stdout, and nothing else

@@ -40,13 +40,57 @@ pub struct Machine {
     pub threads: usize,
 }
 
-impl Provenance {
-    /// Of this program and process, for a run of `scenario` with `seed`.
-    pub fn collect(scenario: &str, seed: u64, map_attribution: Option<String>) -> Self {
+/// Which build of `csat` flew something.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Build {
+    /// Version of `csat`.
+    pub version: String,
+    /// Git revision it was built from; `None` when not built in a repository.
+    pub git_revision: Option<String>,
+    /// Whether that tree had changes that were not committed.
+    pub git_dirty: Option<bool>,
+    /// Operating system and architecture.
+    pub platform: String,
+}
+
+impl Build {
+    /// This program.
+    pub fn this() -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             git_revision: option_env!("CSAT_GIT_REVISION").map(str::to_owned),
             git_dirty: option_env!("CSAT_GIT_DIRTY").map(|dirty| dirty == "true"),
+            platform: format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH),
+        }
+    }
+
+    /// Whether the same mission is the same to the last bit, as far as the program's source tells.
+    pub fn is_same_source(&self, other: &Self) -> bool {
+        let source = |b: &Self| (b.version.clone(), b.git_revision.clone(), b.git_dirty);
+        source(self) == source(other)
+    }
+}
+
+impl std::fmt::Display for Build {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let revision = self.git_revision.as_deref().unwrap_or("unknown");
+        let dirty = if self.git_dirty == Some(true) {
+            ", with changes that were not committed"
+        } else {
+            ""
+        };
+        write!(f, "{}, revision {revision}{dirty}, {}", self.version, self.platform)
+    }
+}
+
+impl Provenance {
+    /// Of this program and process, for a run of `scenario` with `seed`.
+    pub fn collect(scenario: &str, seed: u64, map_attribution: Option<String>) -> Self {
+        let Build { version, git_revision, git_dirty, platform } = Build::this();
+        Self {
+            version,
+            git_revision,
+            git_dirty,
             rustc: option_env!("CSAT_RUSTC").unwrap_or("unknown").to_owned(),
             profile: if cfg!(debug_assertions) { "debug" } else { "release" }.to_owned(),
             arguments: command_line(),
@@ -54,7 +98,7 @@ impl Provenance {
             seed,
             map_attribution,
             machine: Machine {
-                platform: format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH),
+                platform,
                 cpu: cpu_model(),
                 cores: std::thread::available_parallelism().map_or(1, usize::from),
                 threads: rayon::current_num_threads(),

@@ -3,52 +3,13 @@
 mod common;
 
 use std::fs;
-use std::path::Path;
-use std::process::Output;
 
 use common::fleet::{end, process, signal, wait_until};
+use common::sweeps::{FILES, done, refused, results, run_file, run_name, run_path, runs, sweep};
 use common::{SMALL, command, csat, json, names, read, scratch, text};
 
 /// Three ranges and two seeds of a mission that takes a moment.
 const SWEEP: &[&str] = &["city", "--vary", "netem.radio.range_m=20,60,inf", "--seeds", "1..2"];
-
-fn sweep(folder: &Path, arguments: &[&str]) -> Output {
-    csat(folder, &[&["sweep"], SMALL, arguments].concat())
-}
-
-fn done(folder: &Path, arguments: &[&str]) -> String {
-    let output = sweep(folder, arguments);
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    text(&output.stdout)
-}
-
-fn results(folder: &Path) -> [String; 4] {
-    ["sweep.json", "sweep.csv", "sweep_means.csv", "report.html"]
-        .map(|name| read(&folder.join(name)))
-}
-
-/// The files of runs without what a clock says.
-fn runs(folder: &Path) -> Vec<(String, serde_json::Value)> {
-    let folder = folder.join("runs");
-    let timeless = |name: String| {
-        let mut run = json(&folder.join(&name));
-        for clock in ["wall_s", "realtime_factor", "timing_ms"] {
-            let summary = run["summary"].as_object_mut().expect(&name);
-            assert!(summary.remove(clock).is_some(), "{clock}");
-        }
-        (name, run)
-    };
-    names(&folder).into_iter().map(timeless).collect()
-}
-
-fn refused(folder: &Path, arguments: &[&str], messages: &[&str]) {
-    let output = sweep(folder, arguments);
-    let said = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
-    for message in messages {
-        assert!(said.contains(message), "{arguments:?}: {message} in {said}");
-    }
-}
 
 #[test]
 fn jobs_resumption_and_shards_change_nothing() {
@@ -59,11 +20,11 @@ fn jobs_resumption_and_shards_change_nothing() {
         "city: 6 runs: 6 flown, 0 with violations, 0 failed, 0 missing\none/report.html\n"
     );
     let one = base.path().join("one");
-    assert_eq!(names(&one), ["report.html", "runs", "sweep.csv", "sweep.json", "sweep_means.csv"]);
+    assert_eq!(names(&one), FILES);
     let expected = (results(&one), runs(&one));
     assert_eq!(expected.1.len(), 6);
-    assert!(expected.1[0].0 == "01-range_m-20-seed1.json", "{}", expected.1[0].0);
-    assert!(expected.0[3].contains("perfect links (dashed)"));
+    assert_eq!(expected.1[0].0, run_file(&one, "range_m-20-", 1));
+    assert!(expected.0[4].contains("perfect links (dashed)"));
     let check = |name: &str| {
         let folder = base.path().join(name);
         assert_eq!((results(&folder), runs(&folder)), expected, "{name}");
@@ -73,10 +34,10 @@ fn jobs_resumption_and_shards_change_nothing() {
     check("two");
 
     // What an interruption may leave: runs missing, a piece of one, an old report.
-    for name in ["02-range_m-60-seed1.json", "03-range_m-inf-seed2.json"] {
-        fs::remove_file(base.path().join("two/runs").join(name)).unwrap();
+    for (values, seed) in [("range_m-60-", 1), ("range_m-inf-", 2)] {
+        fs::remove_file(run_path(&base.path().join("two"), values, seed)).unwrap();
     }
-    let piece = base.path().join("two/.partial/1of1/02-range_m-60-seed1/.run.partial-1");
+    let piece = base.path().join("two/.partial/1of1/range_m-60-0-seed1/.run.partial-1");
     fs::create_dir_all(piece).unwrap();
     fs::write(base.path().join("two/report.html"), "old").unwrap();
     done(base.path(), &[SWEEP, &["--resume", "--out", "two"]].concat());
@@ -110,8 +71,14 @@ fn two_processes_do_not_fly_the_same_sweep() {
     let sweep = [&["city", "--vary", "agents.speed_m_s=4,5"], &week[..]].concat();
     let child = process(base.path(), &[&["sweep"], SMALL, &sweep].concat());
     wait_until("a mission flies", || {
-        base.path().join("out/.partial/1of1/01-speed_m_s-4-seed1").exists()
+        let flying = fs::read_dir(base.path().join("out/.partial/1of1")).into_iter().flatten();
+        flying.flatten().any(|e| e.file_name().to_string_lossy().starts_with("speed_m_s-4-"))
     });
+    let mut more = sweep.clone();
+    more[2] = "agents.speed_m_s=4,5,6";
+    more.extend(["--shard", "2/2"]);
+    let expected = ["error: another process is flying in `out`", "let the sweep grow"];
+    refused(base.path(), &more, &expected);
     let expected = ["error: another process is flying the sweep in `out`", "--out"];
     refused(base.path(), &sweep, &expected);
     signal(child.id(), "-INT");
@@ -127,31 +94,23 @@ fn folders_are_numbered_kept_and_not_mixed_up() {
     let said = done(base.path(), &[small, &["--keep-runs", "--json"]].concat());
     let counts: serde_json::Value = serde_json::from_str(&said).unwrap();
     assert_eq!((&counts["runs"], &counts["flown"]), (&2.into(), &2.into()));
-    let kept = base.path().join("sweeps/city-speed_m_s/folders/01-speed_m_s-4-seed3");
+    let first = base.path().join("sweeps/city-speed_m_s");
+    let kept = first.join("folders").join(run_name(&first, "speed_m_s-4-", 3));
     assert!(names(&kept).contains(&"map.svg".to_owned()));
     assert_eq!(json(&kept.join("summary.json"))["seed"], 3);
     done(base.path(), small);
     assert_eq!(names(&base.path().join("sweeps")), ["city-speed_m_s", "city-speed_m_s-2"]);
     let out = ["--out", "sweeps/city-speed_m_s"];
     refused(base.path(), &[small, &out].concat(), &["holds a sweep", "--resume"]);
-    let other = ["city", "--vary", "agents.speed_m_s=4,6", "--seeds", "3", "--resume"];
-    refused(
-        base.path(),
-        &[&other[..], &out].concat(),
-        &[
-            "holds another sweep",
-            "--vary: `agents.speed_m_s=4,5` there, `agents.speed_m_s=4,6` here",
-        ],
-    );
-    let fewer = ["--set", "run.duration_s=6", "--resume"];
-    refused(base.path(), &[small, &fewer, &out].concat(), &["--set: `"]);
+    let other = [small, &["--set", "run.duration_s=6", "--resume"], &out].concat();
+    let expected = ["holds another sweep", "run.duration_s: `5.0` there, `6.0` here"];
+    refused(base.path(), &other, &expected);
+    let other = ["city", "--vary", "exchange.mode=facts,none", "--seeds", "3", "--resume"];
+    let expected = "one must vary all keys of the other";
+    refused(base.path(), &[&other[..], &out].concat(), &["holds another sweep", expected]);
     refused(base.path(), &[small, &["--out", "."]].concat(), &["not empty: `sweeps` is in it"]);
     let shard = ["--shard", "1/2", "--out", "sweeps/city-speed_m_s"];
-    refused(
-        base.path(),
-        &[small, &shard].concat(),
-        &["shard 1/2 has flown `01-speed_m_s-4-seed3`"],
-    );
+    refused(base.path(), &[small, &shard].concat(), &["shard 1/2 has flown `speed_m_s-4-"]);
     assert!(done(base.path(), &[small, &["--resume"]].concat()).contains("2 flown"));
     assert_eq!(names(&base.path().join("sweeps")).len(), 2);
 }
@@ -205,13 +164,14 @@ fn a_run_that_fails_is_a_result_and_is_flown_again() {
     done(base.path(), &[small, keep].concat());
     let out = base.path().join("out");
     let expected = results(&out);
+    let in_the_way = run_name(&out, "speed_m_s-5-", 1);
     let again = || {
         for name in names(&out.join("runs")) {
             fs::remove_file(out.join("runs").join(name)).unwrap();
         }
         fs::remove_dir_all(out.join("folders")).unwrap();
         fs::create_dir(out.join("folders")).unwrap();
-        fs::write(out.join("folders/02-speed_m_s-5-seed1"), "in the way").unwrap();
+        fs::write(out.join("folders").join(&in_the_way), "in the way").unwrap();
     };
 
     again();
@@ -220,9 +180,10 @@ fn a_run_that_fails_is_a_result_and_is_flown_again() {
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(text(&output.stdout).contains("3 flown, 0 with violations, 1 failed, 0 missing"));
     let replay = "csat run city --seed 1 --set run.duration_s=5 ";
-    assert!(said.contains("FAILED: cannot remove `out/folders/02-speed_m_s-5-seed1`"), "{said}");
+    let failed = format!("FAILED: cannot remove `out/folders/{in_the_way}`");
+    assert!(said.contains(&failed), "{said}");
     assert!(said.contains(replay), "{said}");
-    let record = json(&out.join("runs/02-speed_m_s-5-seed1.json"));
+    let record = json(&run_path(&out, "speed_m_s-5-", 1));
     assert!(record["summary"].is_null() && record["replay"].as_str().unwrap().contains(replay));
     let report = read(&out.join("report.html"));
     assert!(report.contains("1 run(s) failed") && report.contains(replay));
@@ -232,7 +193,7 @@ fn a_run_that_fails_is_a_result_and_is_flown_again() {
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
     assert!(text(&output.stdout).contains("1 flown, 0 with violations, 1 failed, 2 missing"));
 
-    fs::remove_file(out.join("folders/02-speed_m_s-5-seed1")).unwrap();
+    fs::remove_file(out.join("folders").join(&in_the_way)).unwrap();
     done(base.path(), &[small, keep, &["--resume"]].concat());
     assert_eq!(results(&out), expected);
 }
@@ -244,19 +205,12 @@ fn tables_vary_and_perfect_links_are_flown_for_comparison() {
     let loss = "netem.radio.loss={model=\"iid\",p=0.1},most:{model=\"iid\",p=0.9}";
     let arguments = ["city", "--vary", loss, "--seeds", "1,4", "--out", "out"];
     done(base.path(), &arguments);
-    let runs = names(&base.path().join("out/runs"));
-    assert_eq!(
-        runs,
-        [
-            "01-loss-iid-p-0.1-seed1.json",
-            "01-loss-iid-p-0.1-seed4.json",
-            "02-loss-most-seed1.json",
-            "02-loss-most-seed4.json",
-            "baseline01-seed1.json",
-            "baseline01-seed4.json",
-        ]
-    );
-    let baseline = json(&base.path().join("out/runs/baseline01-seed4.json"));
+    let out = base.path().join("out");
+    assert_eq!(names(&out.join("runs")).len(), 6);
+    for values in ["loss-iid-p-0.1-", "loss-most-", "baseline-"] {
+        [1, 4].iter().for_each(|seed| assert!(run_file(&out, values, *seed).contains(values)));
+    }
+    let baseline = json(&run_path(&out, "baseline-", 4));
     let replay =
         baseline["replay"].as_str().unwrap().replacen("csat", env!("CARGO_BIN_EXE_csat"), 1);
     let flown = std::process::Command::new("sh")
@@ -277,6 +231,71 @@ fn tables_vary_and_perfect_links_are_flown_for_comparison() {
     let bare = [&arguments[..5], &["--no-baseline", "--out", "bare"]].concat();
     done(base.path(), &bare);
     assert_eq!(names(&base.path().join("bare/runs")).len(), 4);
+}
+
+#[test]
+fn differences_are_from_what_the_user_names() {
+    let base = scratch();
+    let vary = ["city", "--vary", "agents.speed_m_s=4,5", "--vary", "exchange.mode=facts,none"];
+    let rest = ["--seeds", "1..3", "--out", "out"];
+    let against = |value: &'static str| [&vary[..], &rest, &["--against", value]].concat();
+    refused(
+        base.path(),
+        &against("exchange.mode=snapshot"),
+        &["error: --against: `exchange.mode` has no"],
+    );
+    refused(
+        base.path(),
+        &against("perfect=1"),
+        &["`perfect` does not vary; expected a value of `agents"],
+    );
+    assert_eq!(names(base.path()), [""; 0]);
+    done(base.path(), &against("exchange.mode=none"));
+    let out = base.path().join("out");
+    let compared = || {
+        let mut table = csv::Reader::from_path(out.join("sweep_pairs.csv")).unwrap();
+        let row =
+            |row: csv::StringRecord| (row[1].to_owned(), row[2].to_owned(), row[5].to_owned());
+        let rows = table.records().map(Result::unwrap).filter(|row| &row[4] == "unexplored_pct");
+        rows.map(row).collect::<Vec<_>>()
+    };
+    let expected = [("4", "facts", "3"), ("5", "facts", "3")];
+    let expected = expected.map(|(a, b, n)| (a.to_owned(), b.to_owned(), n.to_owned()));
+    assert_eq!(compared(), expected);
+    let report = read(&out.join("report.html"));
+    assert!(report.contains("exchange.mode=none (dashed)") && report.contains("--against"));
+    // Looked at again from elsewhere, without a flight.
+    let again = csat(base.path(), &["sweep", "--merge", "out", "--against", "agents.speed_m_s=5"]);
+    assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
+    assert_eq!(compared().iter().map(|(speed, ..)| speed.as_str()).collect::<Vec<_>>(), ["4", "4"]);
+    let wrong = csat(base.path(), &["sweep", "--merge", "out", "--against", "x=1"]);
+    assert_eq!(wrong.status.code(), Some(2), "{}", text(&wrong.stderr));
+}
+
+/// On a terminal, which `script` makes, each run has its line as it ends, and the time left shows.
+#[test]
+fn a_terminal_shows_each_run_and_the_time_left() {
+    let base = scratch();
+    let csat = env!("CARGO_BIN_EXE_csat");
+    let small: String = SMALL.iter().map(|argument| format!(" '{argument}'")).collect();
+    let sweep = format!("{csat} sweep city{small} --seeds 1..3 --jobs 1 --out out");
+    let made = std::process::Command::new("script")
+        .args(["--quiet", "--return", "--command", &sweep, "typescript"])
+        .stdin(std::process::Stdio::null())
+        .current_dir(base.path())
+        .output();
+    let Ok(output) = made else {
+        common::skipped("there is no `script` to make a terminal with");
+        return;
+    };
+    let shown =
+        String::from_utf8_lossy(&fs::read(base.path().join("typescript")).unwrap()).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{shown}");
+    for seed in 1..=3 {
+        let line = format!("{seed}/3  the scenario as it is, seed {seed}: identified ");
+        assert!(shown.contains(&line), "{line} in {shown}");
+    }
+    assert!(shown.contains("left after the first run") && shown.contains("  left 0s"), "{shown}");
 }
 
 #[cfg(unix)]

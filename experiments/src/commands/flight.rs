@@ -9,11 +9,12 @@ use csat_experiments::sweep::bar::Bar;
 use csat_experiments::sweep::fly::Hangar;
 use csat_experiments::sweep::folder::SweepFolder;
 use csat_experiments::sweep::manifest::{Manifest, quoted};
+use csat_experiments::sweep::pace::Pace;
 use csat_experiments::sweep::plan::Run;
 use csat_experiments::sweep::record::RunRecord;
 use csat_experiments::sweep::results::{Counts, Results};
 use csat_experiments::sweep::seeds::Shard;
-use csat_experiments::sweep::work::work;
+use csat_experiments::sweep::work::{Event, work};
 use csat_experiments::verdict::{BAD_INPUT, DONE, FAILED, INTERRUPTED, VIOLATED};
 
 /// What this process flies.
@@ -24,6 +25,8 @@ pub struct Flight<'a> {
     pub folder: &'a SweepFolder,
     /// Its part.
     pub shard: Shard,
+    /// The runs of its part that the user asked for.
+    pub runs: Vec<Run>,
     /// Missions at a time.
     pub jobs: usize,
     /// Nothing shows meanwhile.
@@ -38,25 +41,38 @@ impl Flight<'_> {
     /// Flies what has not been flown; gives whether it stopped at a run that failed.
     pub fn fly(&self, stop: Arc<AtomicBool>) -> Result<bool, SweepError> {
         let Flight { manifest, folder, shard, keep_folders, .. } = *self;
-        let mine = manifest.runs(shard);
-        let fingerprint = manifest.fingerprint();
-        let mut runs = Vec::new();
-        for run in &mine {
-            // A run that failed is no result: it may have been a full disk.
-            if folder.run(manifest, &fingerprint, run)?.is_none_or(|record| record.failed.is_some())
-            {
-                runs.push(*run);
+        let (mut runs, mut took_s) = (Vec::new(), Vec::new());
+        for run in &self.runs {
+            match folder.run(manifest, run) {
+                // A run that failed is no result: it may have been a full disk.
+                Ok(record) if record.as_ref().is_none_or(|record| record.failed.is_some()) => {
+                    runs.push(*run);
+                }
+                Ok(record) => took_s.extend(record.and_then(|record| record.number("wall_s"))),
+                Err(bad) => {
+                    if !self.quiet {
+                        eprintln!("{bad}; it is flown again");
+                    }
+                    runs.push(*run);
+                }
             }
         }
         let hangar = Hangar { manifest, folder, shard, keep_folders, stop };
-        let mut bar = Bar::new(mine.len(), mine.len() - runs.len(), self.quiet);
+        let pace = Pace::new(self.jobs, runs.len(), took_s);
+        let mut bar = Bar::new(self.runs.len(), self.runs.len() - runs.len(), pace, self.quiet);
         let mut failed_fast = false;
-        let done = |run: &Run, record: &RunRecord| {
-            bar.run(&manifest.run_name(run), record);
-            failed_fast |= is_bad(record) && self.fail_fast;
+        let watch = |event: Event<'_>| {
+            match event {
+                Event::Started(run) => bar.start(run),
+                Event::Ended(run, record) => {
+                    let values = manifest.points[run.point].describe(&manifest.vary);
+                    bar.end(run, &format!("{values}, seed {}", run.seed), record);
+                    failed_fast |= is_bad(record) && self.fail_fast;
+                }
+            }
             !failed_fast
         };
-        let result = work(&hangar, &runs, self.jobs, done);
+        let result = work(&hangar, &runs, self.jobs, watch);
         bar.clear();
         folder.clear_partial(shard)?;
         result.map(|()| failed_fast)
@@ -64,7 +80,7 @@ impl Flight<'_> {
 
     /// Whether some of its runs are not there.
     pub fn lacks_runs(&self, results: &Results) -> bool {
-        let mine: BTreeSet<Run> = self.manifest.runs(self.shard).into_iter().collect();
+        let mine: BTreeSet<&Run> = self.runs.iter().collect();
         results.runs.iter().any(|(run, record)| record.is_none() && mine.contains(run))
     }
 
@@ -82,6 +98,7 @@ fn is_bad(record: &RunRecord) -> bool {
 
 /// Says on stderr which runs are missing or not what they should be.
 pub fn complain(results: &Results) {
+    results.bad.iter().for_each(|bad| eprintln!("{bad}"));
     for (run, record) in &results.runs {
         let name = results.manifest.run_name(run);
         match record {

@@ -11,10 +11,11 @@ use csat_experiments::reproduce::table::Table;
 use csat_experiments::reproduce::{chapter5, flown, page, table1};
 use csat_experiments::run_folder::{Destination, FolderError, PartialFile, RunFolder};
 use csat_experiments::scenario::{self, Mistake};
-use csat_experiments::sweep::folder::{SweepFolder, Taking, default_root};
+use csat_experiments::sweep::folder::{SweepFolder, default_root};
 use csat_experiments::sweep::manifest::{Manifest, quoted};
 use csat_experiments::sweep::results::Results;
 use csat_experiments::sweep::seeds::{Shard, parse_seeds};
+use csat_experiments::sweep::take::Taking;
 use csat_experiments::sweep::{SweepError, check, merge};
 use csat_experiments::verdict::DONE;
 
@@ -23,6 +24,8 @@ use super::{interrupted_by_the_user, say};
 
 const REPORT: &str = "report.html";
 const TABLES: &str = "tables.txt";
+/// The same for programs, and for `csat compare`.
+const TABLES_JSON: &str = "tables.json";
 
 /// `csat reproduce`.
 pub fn reproduce(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
@@ -35,24 +38,25 @@ pub fn reproduce(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
 
 /// What is a sweep.
 fn fly(arguments: &ReproduceArguments, plan: &Plan) -> anyhow::Result<u8> {
-    let manifest = manifest(arguments, plan)?;
+    let asked = manifest(arguments, plan)?;
     let root = root(arguments, plan.name)?;
-    let taking = Taking { shard: Shard::WHOLE, resume: arguments.resume };
-    let folder = SweepFolder::take(&root, &manifest, taking)?;
+    let taking = Taking { shard: Shard::WHOLE, resume: arguments.resume, mix_versions: false };
+    let (folder, manifest) = SweepFolder::take(&root, &asked, taking)?;
     let stop = interrupted_by_the_user()?;
     let flight = Flight {
         manifest: &manifest,
         folder: &folder,
         shard: Shard::WHOLE,
+        runs: manifest.runs_of(&asked, Shard::WHOLE),
         jobs: jobs(arguments.jobs),
         quiet: arguments.json,
         keep_folders: true,
         fail_fast: false,
     };
     flight.fly(stop.clone())?;
-    let results = Results::read(&folder, manifest.clone())?;
+    let results = Results::read(&folder, manifest.clone());
     if stop.load(Ordering::SeqCst) && flight.lacks_runs(&results) {
-        return Ok(flight.interrupted(&plan.command(&manifest), ""));
+        return Ok(flight.interrupted(&plan.command(&asked), ""));
     }
     conclude(arguments, plan, &folder, &manifest)
 }
@@ -74,6 +78,7 @@ fn conclude(
     };
     let page = page::html(plan.title, &results, &plan.command(manifest), &runs, &tables, &figures);
     folder.write(TABLES, &text(&tables))?;
+    folder.write(TABLES_JSON, &json(&tables)?)?;
     folder.write(REPORT, &page)?;
     if !arguments.json {
         complain(&results);
@@ -110,6 +115,10 @@ fn text(tables: &[Table]) -> String {
     tables.iter().map(Table::text).collect::<Vec<_>>().join("\n")
 }
 
+fn json(tables: &[Table]) -> anyhow::Result<String> {
+    Ok(serde_json::to_string_pretty(tables)? + "\n")
+}
+
 fn tell(
     arguments: &ReproduceArguments,
     tables: &[Table],
@@ -117,7 +126,7 @@ fn tell(
     root: &Path,
 ) -> anyhow::Result<()> {
     if arguments.json {
-        return say(&(serde_json::to_string_pretty(tables)? + "\n"));
+        return say(&json(tables)?);
     }
     say(&format!("{}\n{complaints}\n{}\n", text(tables), root.join(REPORT).display()))
 }
@@ -140,7 +149,8 @@ fn look(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
     again += &arguments.seeds.iter().map(|seeds| format!(" --seeds {seeds}")).collect::<String>();
     again += &sets.iter().map(|set| format!(" --set {}", quoted(set))).collect::<String>();
     let tables = seen.tables();
-    let files = [(TABLES, text(&tables)), (REPORT, seen.html(&again))];
+    let files =
+        [(TABLES, text(&tables)), (TABLES_JSON, json(&tables)?), (REPORT, seen.html(&again))];
     let root = place.fill(&files)?;
     tell(arguments, &tables, &format!("{} looks per setting", seeds.len()), &root)?;
     Ok(DONE)

@@ -8,12 +8,13 @@ use csat_experiments::cli::SweepArguments;
 use csat_experiments::scenario::Mistake;
 use csat_experiments::sweep::SweepError;
 use csat_experiments::sweep::check;
-use csat_experiments::sweep::folder::{SweepFolder, Taking, default_root};
+use csat_experiments::sweep::folder::{SweepFolder, default_root};
 use csat_experiments::sweep::manifest::{Manifest, Request, quoted};
 use csat_experiments::sweep::merge;
 use csat_experiments::sweep::plan::{self, MAX_RUNS};
 use csat_experiments::sweep::results::{Counts, Results};
 use csat_experiments::sweep::seeds::{Shard, parse_seeds};
+use csat_experiments::sweep::take::Taking;
 use csat_experiments::sweep::vary::Axis;
 use csat_experiments::words::counted;
 
@@ -26,44 +27,47 @@ pub fn sweep(arguments: &SweepArguments) -> anyhow::Result<u8> {
 }
 
 fn merge_folders(arguments: &SweepArguments) -> anyhow::Result<u8> {
-    let (folder, results) = merge::merge(&arguments.merge)?;
+    let (folder, results) =
+        merge::merge(&arguments.merge, arguments.mix_versions, arguments.against.as_deref())?;
     tell(arguments, &folder, &results)?;
     Ok(code(&results.counts()))
 }
 
 fn fly(arguments: &SweepArguments) -> anyhow::Result<u8> {
-    let (manifest, shard) = plan_sweep(arguments)?;
+    let (asked, shard) = plan_sweep(arguments)?;
     let root = match &arguments.out {
         Some(out) => out.clone(),
         None => {
-            let name = usual_name(&manifest);
+            let name = usual_name(&asked);
             let is_ours = |root: &Path| {
                 SweepFolder::at(root).manifest().is_ok_and(|there| usual_name(&there) == name)
             };
             default_root(Path::new("sweeps"), &name, arguments.resume, is_ours)?
         }
     };
-    let taking = Taking { shard, resume: arguments.resume };
-    let folder = SweepFolder::take(&root, &manifest, taking)?;
+    let taking = Taking { shard, resume: arguments.resume, mix_versions: arguments.mix_versions };
+    let (folder, manifest) = SweepFolder::take(&root, &asked, taking)?;
     let stop = interrupted_by_the_user()?;
     let flight = Flight {
         manifest: &manifest,
         folder: &folder,
         shard,
+        runs: manifest.runs_of(&asked, shard),
         jobs: jobs(arguments.jobs),
         quiet: arguments.json,
         keep_folders: arguments.keep_runs,
         fail_fast: arguments.fail_fast,
     };
     let failed_fast = flight.fly(stop.clone())?;
-    let results = Results::read(&folder, manifest.clone())?;
+    let results = Results::read(&folder, manifest.clone());
     let counts = results.counts();
     // A Ctrl-C that came after the last step changes nothing.
     if stop.load(Ordering::SeqCst) && !failed_fast && flight.lacks_runs(&results) {
-        return Ok(interrupted(&flight));
+        return Ok(interrupted(&flight, &asked));
     }
-    if shard != Shard::WHOLE && counts.missing > 0 && !failed_fast {
-        tell_shard(arguments, &flight, &counts)?;
+    let others = Flight { runs: manifest.runs_of(&asked, Shard::WHOLE), ..flight };
+    if shard != Shard::WHOLE && others.lacks_runs(&results) && !failed_fast {
+        tell_shard(arguments, &others, &counts)?;
         return Ok(code(&counts));
     }
     let results = merge::conclude(&folder, &manifest)?;
@@ -113,7 +117,8 @@ fn plan_sweep(arguments: &SweepArguments) -> anyhow::Result<(Manifest, Shard)> {
     let source = arguments.scenario.clone().unwrap_or_else(|| "city".to_owned());
     let baseline =
         (arguments.baseline || axes.iter().any(Axis::is_netem)) && !arguments.no_baseline;
-    let request = Request { source, sets: arguments.sets.clone(), axes, seeds, baseline };
+    let (sets, against) = (arguments.sets.clone(), arguments.against.clone());
+    let request = Request { source, sets, axes, seeds, baseline, against };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(arguments.jobs)).build();
     let pool = pool.context("cannot start the threads")?;
     let (manifest, warnings) = pool.install(|| check::manifest(request))?;
@@ -124,12 +129,12 @@ fn plan_sweep(arguments: &SweepArguments) -> anyhow::Result<(Manifest, Shard)> {
 }
 
 /// Says how to go on after Ctrl-C.
-fn interrupted(flight: &Flight<'_>) -> u8 {
+fn interrupted(flight: &Flight<'_>, asked: &Manifest) -> u8 {
     let shard = match flight.shard {
         Shard::WHOLE => String::new(),
         Shard { index, count } => format!(" --shard {index}/{count}"),
     };
-    let again = format!("{}{shard}", flight.manifest.command());
+    let again = format!("{}{shard}", asked.command());
     let root = quoted(&flight.folder.root().display().to_string());
     flight.interrupted(&again, &format!("\nor see what is there with\n  csat sweep --merge {root}"))
 }

@@ -204,7 +204,18 @@ impl YAxis {
         let room = if room > 0.0 { room } else { greatest.abs().max(1.0) };
         let low = if from_zero { 0.0 } else { (least - 0.1 * room).max(0.0) };
         let high = if greatest > 0.0 { greatest + 0.08 * room } else { 1.0 };
-        let high = high.min(top.max(greatest));
+        Self::with_ticks(low, high.min(top.max(greatest)))
+    }
+
+    /// Around differences, with 0 in it.
+    pub fn across(values: impl Iterator<Item = f64>) -> Self {
+        let ends = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
+        let (low, high) = values.filter(|v| v.is_finite()).fold((0.0, 0.0), ends);
+        let room = if high > low { 0.06 * (high - low) } else { 1.0 };
+        Self::with_ticks(low - room, high + room)
+    }
+
+    fn with_ticks(low: f64, high: f64) -> Self {
         let step = step((high - low) / 5.0);
         let first = (low / step - 1e-9).ceil() as i64;
         let last = (high / step + 1e-9).floor() as i64;
@@ -263,6 +274,14 @@ mod tests {
         let y = YAxis::around([0.0, 0.0].into_iter(), f64::INFINITY);
         assert!(y.high > 0.0 && y.ticks.len() > 2);
         assert!(YAxis::around(std::iter::empty(), 1.0).ticks.len() > 2);
+    }
+
+    #[test]
+    fn differences_stand_around_zero() {
+        let y = YAxis::across([-3.0, 1.0].into_iter());
+        assert!(y.low < -3.0 && y.high > 1.0 && y.ticks.contains(&0.0), "{y:?}");
+        let none = YAxis::across([0.0].into_iter());
+        assert!(none.low < 0.0 && none.high > 0.0 && none.ticks.contains(&0.0), "{none:?}");
     }
 
     #[test]

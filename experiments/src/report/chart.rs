@@ -1,5 +1,6 @@
 //! One plot of a few places: means with their confidence, and every run as a dot.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::axis::{XAxis, YAxis, short};
@@ -7,7 +8,7 @@ use super::shapes::{
     Frame, LEFT, RIGHT, WIDTH, band, confidence, escaped, path, rounded, run_dot, whisker,
 };
 use super::sheet::{self, Entry, Sheet, class};
-use crate::sweep::stats::{Stats, stats};
+use crate::sweep::stats::{FEWEST_DRAWN, Stats, stats};
 
 /// A plot.
 #[derive(Debug, Clone)]
@@ -85,8 +86,7 @@ impl Chart<'_> {
         for line in &self.lines {
             let marks = line.marks.iter().filter_map(Mark::stats);
             for s in marks.chain(line.references.iter().flatten().copied()) {
-                // A wide band must not hide how the runs differ: it may be cut.
-                let reach = s.half_width.unwrap_or(0.0).min(1.5 * (s.max - s.min));
+                let reach = s.drawn_half_width().unwrap_or(0.0);
                 values.extend([s.min, s.max, (s.mean - reach).max(0.0), s.mean + reach]);
             }
         }
@@ -116,7 +116,7 @@ impl Chart<'_> {
         let shared = self.lines.iter().all(|l| l.references == self.lines[0].references);
         let class = if shared { "perfect".to_owned() } else { class(index) };
         let mut svg = format!("<g class=\"{class}\">\n");
-        if places.iter().all(|(_, s)| s.half_width.is_some()) {
+        if places.iter().all(|(_, s)| s.drawn_half_width().is_some()) {
             svg += &band(frame, &confidence(&places), "soft band");
         }
         let _ = writeln!(svg, "<path class=\"dashed\" d=\"{}\"/>", path(frame, &means(&places)));
@@ -141,10 +141,10 @@ impl Chart<'_> {
         let mut svg = format!("<g class=\"{}\">\n", class(index));
         let curve: Vec<(f64, Stats)> = places.iter().map(|(x, _, s)| (*x, *s)).collect();
         if self.x.is_numeric && curve.len() > 1 {
-            // A stretch without confidence (a single run at one end) has no band.
-            for part in curve.chunk_by(|a, b| a.1.half_width.is_some() == b.1.half_width.is_some())
-            {
-                if part[0].1.half_width.is_some() {
+            // A stretch without confidence (one or two runs at one end) has no band.
+            let has_band = |s: &Stats| s.drawn_half_width().is_some();
+            for part in curve.chunk_by(|a, b| has_band(&a.1) == has_band(&b.1)) {
+                if has_band(&part[0].1) {
                     svg += &band(frame, &confidence(part), "band");
                 }
             }
@@ -195,6 +195,13 @@ impl Chart<'_> {
         svg
     }
 
+    /// What there is to say of intervals that are not drawn; empty when all are.
+    pub fn note(&self) -> String {
+        let marks = self.lines.iter().flat_map(|line| &line.marks).filter_map(Mark::stats);
+        let references = self.lines.iter().flat_map(|line| line.references.iter().flatten());
+        undrawn(marks.collect::<Vec<_>>().iter().chain(references))
+    }
+
     /// None for a single nameless series.
     fn legend(&self) -> Vec<Entry> {
         let named = self.lines.iter().enumerate().filter(|(_, line)| !line.name.is_empty());
@@ -204,6 +211,18 @@ impl Chart<'_> {
         }
         entries
     }
+}
+
+/// Why some intervals are not drawn; empty when all are.
+pub(super) fn undrawn<'a>(all: impl Iterator<Item = &'a Stats>) -> String {
+    let few: BTreeSet<usize> = all.map(|s| s.n).filter(|n| *n < FEWEST_DRAWN).collect();
+    let why = |n: &usize| match n {
+        1 => " Where n = 1 there is no interval.",
+        _ => {
+            " Where n = 2 the interval is too wide to draw (Student\u{2019}s t is 12.7): see the table."
+        }
+    };
+    few.iter().map(why).collect()
 }
 
 /// Where the means are.

@@ -59,7 +59,7 @@ pub fn path(frame: &Frame, places: &[(f64, f64)]) -> String {
 /// The ends of the confidence intervals, for [`band`].
 pub fn confidence(places: &[(f64, Stats)]) -> Vec<(f64, [f64; 2])> {
     let ends = |s: &Stats| {
-        let reach = s.half_width.unwrap_or(0.0);
+        let reach = s.drawn_half_width().unwrap_or(0.0);
         [s.mean - reach, s.mean + reach]
     };
     places.iter().map(|(x, s)| (*x, ends(s))).collect()
@@ -73,9 +73,9 @@ pub fn band(frame: &Frame, places: &[(f64, [f64; 2])], class: &str) -> String {
     format!("<path class=\"{class}\" d=\"{data}Z\"/>\n")
 }
 
-/// The interval at one place.
+/// The interval at one place, if it is worth drawing.
 pub fn whisker(x: f64, frame: &Frame, s: &Stats) -> String {
-    let Some(reach) = s.half_width else { return String::new() };
+    let Some(reach) = s.drawn_half_width() else { return String::new() };
     let (y0, y1) = (frame.y(s.mean + reach), frame.y(s.mean - reach));
     format!(
         "<path class=\"whisker\" d=\"M{:.1} {y0:.1}H{:.1}M{x:.1} {y0:.1}V{y1:.1}M{:.1} {y1:.1}H{:.1}\"/>\n",

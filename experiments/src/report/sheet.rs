@@ -36,6 +36,12 @@ impl Entry {
         Self { class: class(series), sample, name: name.to_owned() }
     }
 
+    /// What is drawn as thin lines of a series' colour.
+    pub fn thin(series: usize, name: &str) -> Self {
+        let sample = "<path class=\"seed\" d=\"M0 -4H20\"/>".to_owned();
+        Self { class: class(series), sample, name: name.to_owned() }
+    }
+
     /// Something drawn as a dashed line.
     pub fn dashed(class: &str, name: &str) -> Self {
         let sample = "<path class=\"dashed\" d=\"M0 -4H20\"/>".to_owned();

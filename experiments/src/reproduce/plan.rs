@@ -49,7 +49,7 @@ impl Plan {
         }
         let fixed = self.sets.iter().map(|&set| set.to_owned());
         let sets = fixed.chain(sets.iter().cloned()).collect();
-        Ok(Request { source: "city".to_owned(), sets, axes, seeds, baseline: false })
+        Ok(Request { source: "city".to_owned(), sets, axes, seeds, baseline: false, against: None })
     }
 
     /// The command that makes it again.

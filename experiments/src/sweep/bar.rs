@@ -1,15 +1,20 @@
-//! What shows while a sweep flies: a bar on a terminal, a line per run elsewhere.
+//! What shows while a sweep flies: a line for each run that has ended, and on a terminal a bar below with
+//! the time left.
 
 use std::io::IsTerminal;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
+use super::pace::Pace;
+use super::plan::Run;
 use super::record::RunRecord;
 
 /// Progress on stderr.
 #[derive(Debug)]
 pub struct Bar {
     bar: ProgressBar,
+    pace: Arc<Mutex<Pace>>,
     quiet: bool,
     done: usize,
     before: usize,
@@ -20,33 +25,44 @@ pub struct Bar {
 
 impl Bar {
     /// Of `total` runs of which `before` were flown earlier; `quiet` shows nothing at all.
-    pub fn new(total: usize, before: usize, quiet: bool) -> Self {
+    pub fn new(total: usize, before: usize, pace: Pace, quiet: bool) -> Self {
         let visible = !quiet && std::io::stderr().is_terminal();
         let target =
             if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        // The time left is that of the runs not there yet.
         let bar = ProgressBar::with_draw_target(Some((total - before) as u64), target);
-        let style = ProgressStyle::with_template("{wide_bar} {msg}  eta {eta}");
-        bar.set_style(style.expect("the template is a constant"));
-        let this = Self { bar, quiet, done: 0, before, total, failed: 0, violated: 0 };
+        let style = ProgressStyle::with_template("{wide_bar} {msg}  left {left}");
+        let pace = Arc::new(Mutex::new(pace));
+        let shared = pace.clone();
+        let left = move |_: &ProgressState, text: &mut dyn std::fmt::Write| {
+            let pace = shared.lock().unwrap_or_else(PoisonError::into_inner);
+            // A bar has no way to say that it could not be written.
+            let _ = text.write_str(&pace.left());
+        };
+        bar.set_style(style.expect("the template is a constant").with_key("left", left));
+        let this = Self { bar, pace, quiet, done: 0, before, total, failed: 0, violated: 0 };
         this.bar.set_message(this.describe());
         this.bar.enable_steady_tick(std::time::Duration::from_secs(1));
         this
     }
 
+    fn pace(&self) -> std::sync::MutexGuard<'_, Pace> {
+        self.pace.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A run takes off.
+    pub fn start(&self, run: &Run) {
+        self.pace().start(run);
+    }
+
     /// Shows a run that has ended.
-    pub fn run(&mut self, name: &str, record: &RunRecord) {
+    pub fn end(&mut self, run: &Run, name: &str, record: &RunRecord) {
+        self.pace().end(run, record.failed.is_none());
         self.done += 1;
         self.failed += usize::from(record.failed.is_some());
         self.violated += usize::from(record.violations() > 0);
-        let is_loud = record.failed.is_some() || record.violations() > 0;
-        let line = || format!("{}  {name}: {}", self.count(), record.describe());
-        if self.bar.is_hidden() {
-            if !self.quiet {
-                eprintln!("{}", line());
-            }
-        } else if is_loud {
-            self.bar.suspend(|| eprintln!("{}", line()));
+        if !self.quiet {
+            let line = format!("{}  {name}: {}", self.count(), record.describe());
+            self.bar.suspend(|| eprintln!("{line}"));
         }
         self.bar.set_message(self.describe());
         self.bar.inc(1);

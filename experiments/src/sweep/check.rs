@@ -17,8 +17,10 @@ use crate::scenario::{self, Loaded, Mistake, Mistakes, Request};
 pub struct Checked {
     /// Name of the scenario.
     pub name: String,
-    /// The scenario in full at the first point and seed.
+    /// The scenario in full at the first point, but for its seed.
     pub scenario_toml: String,
+    /// Hash of the file of an imported town of the user's own at the first point.
+    pub map_hash: Option<String>,
     /// Distinct warnings.
     pub warnings: Vec<String>,
 }
@@ -29,6 +31,7 @@ struct Probe {
     perfect: bool,
     hash: String,
     scenario_toml: String,
+    map_hash: Option<String>,
     warnings: Vec<String>,
 }
 
@@ -37,7 +40,7 @@ struct Probe {
 /// # Errors
 /// As [`check`].
 pub fn manifest(request: manifest::Request) -> Result<(Manifest, Vec<String>), SweepError> {
-    let manifest::Request { source, sets, axes, seeds, baseline } = &request;
+    let manifest::Request { source, sets, axes, seeds, baseline, .. } = &request;
     let mut points = plan::points(axes);
     let checked = check(source, sets, axes, &mut points, seeds)?;
     if *baseline {
@@ -63,26 +66,36 @@ pub fn load(scenario: &str, sets: &[String], point: &Point, seed: u64) -> Result
     let sets = [sets, &point.sets[..]].concat();
     let request = Request { scenario: Some(scenario), sets: &sets, seed: Some(seed) };
     let mut loaded = scenario::load(request)?;
-    if point.is_baseline() {
+    if point.is_baseline {
         loaded.scenario.netem = NetemConfig::default();
     }
     Ok(loaded)
 }
 
 fn probe(loaded: Loaded) -> Probe {
-    let mut scenario = loaded.scenario;
-    let scenario_toml = scenario.to_toml();
-    scenario.seed = 0;
-    // A name makes no other mission.
-    scenario.name.clear();
-    let map = loaded.map.map(|map| map.text).unwrap_or_default();
+    let seed = format!("seed = {}\n", loaded.scenario.seed);
     Probe {
-        name: loaded.name,
-        perfect: scenario.netem == NetemConfig::default(),
-        hash: format!("{:016x}", xxh3_64(format!("{}\0{map}", scenario.to_toml()).as_bytes())),
-        scenario_toml,
+        perfect: loaded.scenario.netem == NetemConfig::default(),
+        hash: hash(&loaded),
+        scenario_toml: loaded.scenario.to_toml().replacen(&seed, "", 1),
+        map_hash: loaded.own_map().map(|map| hexadecimal(&map.text)),
         warnings: loaded.warnings.iter().map(|w| w.render("warning")).collect(),
+        name: loaded.name,
     }
+}
+
+/// Hash of a scenario in full and of its map, hexadecimal. Neither its seed, its name nor the place of
+/// its map's file makes it another one.
+pub fn hash(loaded: &Loaded) -> String {
+    let mut scenario = loaded.kept();
+    scenario.seed = 0;
+    scenario.name.clear();
+    let map = loaded.map.as_ref().map_or("", |map| &map.text);
+    hexadecimal(&format!("{}\0{map}", scenario.to_toml()))
+}
+
+fn hexadecimal(text: &str) -> String {
+    format!("{:016x}", xxh3_64(text.as_bytes()))
 }
 
 /// Loads every point with every seed, fills in what that shows, and refuses what cannot fly.
@@ -116,9 +129,11 @@ pub fn check(
                 }
                 if checked.name.is_empty() {
                     (checked.name, checked.scenario_toml) = (probe.name, probe.scenario_toml);
+                    checked.map_hash = probe.map_hash;
                 }
                 let point = &mut points[run.point];
-                (point.perfect, point.scenario_hash) = (probe.perfect, probe.hash);
+                point.perfect = probe.perfect;
+                point.identify(&probe.hash);
             }
         }
     }

@@ -68,6 +68,9 @@ impl Hangar<'_> {
         let Manifest { source, sets, points, .. } = self.manifest;
         let loaded = check::load(source, sets, &points[run.point], run.seed)
             .map_err(|mistakes| mistakes.to_string())?;
+        if check::hash(&loaded) != points[run.point].scenario_hash {
+            return Err("the scenario or its map changed since the sweep began".to_owned());
+        }
         let destination = Destination::Named(partial.join("run"));
         let mut recorder = Recorder::create(&loaded, &RecordOptions { destination, quiet: true })
             .map_err(|e| e.to_string())?;

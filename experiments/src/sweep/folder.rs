@@ -1,37 +1,42 @@
 //! The folder of a sweep; several processes may write into it.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::lock::ShardLock;
-use super::manifest::Manifest;
+use serde_json::Value;
+
+use super::lock::Lock;
+use super::manifest::{FORMAT, Manifest};
 use super::plan::Run;
 use super::record::RunRecord;
 use super::seeds::Shard;
 use super::{SweepError, refused_by_system};
 use crate::run_folder::Destination;
 
-const MANIFEST: &str = "sweep.json";
+/// The file that makes a folder that of a sweep.
+pub(super) const MANIFEST: &str = "sweep.json";
 /// Of what is under way, by shard.
-const PARTIAL: &str = ".partial";
+pub(super) const PARTIAL: &str = ".partial";
 
 /// A sweep's folder.
 #[derive(Debug)]
 pub struct SweepFolder {
-    root: PathBuf,
+    pub(super) root: PathBuf,
     /// Distinguishes the temporary files of processes that share the folder.
-    tag: String,
+    pub(super) tag: String,
     /// Keeps other processes from flying the same shard.
-    _lock: Option<ShardLock>,
+    pub(super) _lock: Option<Lock>,
 }
 
-/// How to take a folder.
-#[derive(Debug, Clone, Copy)]
-pub struct Taking {
-    /// The part of the sweep that this process flies.
-    pub shard: Shard,
-    /// Whether runs may be there already.
-    pub resume: bool,
+/// A file that should be that of a run and is not: empty, cut short, or of another run.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{}` is no run: {reason}", path.display())]
+pub struct BadRun {
+    /// Which file.
+    pub path: PathBuf,
+    /// Why it is none.
+    pub reason: String,
 }
 
 /// The folder in `parent` that is used when the user names none: the first free one, or with `resume`
@@ -65,107 +70,18 @@ impl SweepFolder {
         Self { root: root.to_owned(), tag: format!("merge-{}", std::process::id()), _lock: None }
     }
 
-    /// Takes a folder for a sweep: a new or empty one, or one with the same sweep in it when that is
-    /// to be resumed, or for another shard of it.
-    ///
-    /// # Errors
-    /// When the folder holds something else, or the system refuses.
-    pub fn take(root: &Path, manifest: &Manifest, taking: Taking) -> Result<Self, SweepError> {
-        let Taking { shard, resume } = taking;
-        let tag = format!("{}of{}-{}", shard.index, shard.count, std::process::id());
-        let folder = Self { root: root.to_owned(), tag, _lock: None };
-        let shared = shard.count > 1;
-        if !root.join(MANIFEST).exists() {
-            folder.refuse_strangers()?;
-            folder.create("runs")?;
-            folder.put_manifest(manifest)?;
-        } else if !resume && !shared {
-            return Err(SweepError::Refused(format!(
-                "error: `{}` holds a sweep\n  = expected with --out a folder that is new or empty, \
-                 or --resume to go on with that sweep",
-                root.display()
-            )));
-        }
-        // Also after writing it: another shard may have been quicker.
-        let there = folder.manifest()?;
-        let differences = manifest.differences(&there);
-        if !differences.is_empty() {
-            let lines: String = differences.iter().map(|d| format!("  = {d}\n")).collect();
-            return Err(SweepError::Refused(format!(
-                "error: `{}` holds another sweep\n{}",
-                root.display(),
-                lines.trim_end()
-            )));
-        }
-        folder.create("runs")?;
-        if shared && !resume {
-            let runs = manifest.runs(shard);
-            let flown = runs.iter().find(|run| folder.run_path(manifest, run).exists());
-            if let Some(run) = flown {
-                return Err(SweepError::Refused(format!(
-                    "error: shard {}/{} has flown `{}` already\n  = expected --resume to go on \
-                     with it",
-                    shard.index,
-                    shard.count,
-                    manifest.run_name(run)
-                )));
-            }
-        }
-        // Before anything of another process is taken for that of a dead one.
-        let lock = ShardLock::take(&folder, shard)?;
-        folder.clear_partial(shard)?;
-        Ok(Self { _lock: Some(lock), ..folder })
-    }
-
     /// Its path.
     pub fn root(&self) -> &Path {
         &self.root
     }
 
-    /// What is in a folder without a manifest must be what another shard is just writing.
-    fn refuse_strangers(&self) -> Result<(), SweepError> {
-        let root = &self.root;
-        if root.symlink_metadata().is_ok() && !root.is_dir() {
-            let text = format!("error: `{}` is not a folder", root.display());
-            return Err(SweepError::Refused(text));
-        }
-        let mut names = fs::read_dir(root).into_iter().flatten().flatten().map(|e| e.file_name());
-        let ours = |name: &str| {
-            [MANIFEST, "runs", PARTIAL].contains(&name) || name.starts_with(".sweep.json.")
-        };
-        match names.find(|name| !ours(&name.to_string_lossy())) {
-            None => Ok(()),
-            Some(name) => Err(SweepError::Refused(format!(
-                "error: `{}` exists and is not empty: `{}` is in it\n  = expected with --out a \
-                 folder that is new or empty, or one of a sweep with --resume",
-                root.display(),
-                name.to_string_lossy()
-            ))),
-        }
-    }
-
-    fn create(&self, name: &str) -> Result<PathBuf, SweepError> {
+    pub(super) fn create(&self, name: &str) -> Result<PathBuf, SweepError> {
         let path = self.root.join(name);
         fs::create_dir_all(&path).map_err(|e| refused_by_system("create", &path, e))?;
         Ok(path)
     }
 
-    fn put_manifest(&self, manifest: &Manifest) -> Result<(), SweepError> {
-        let path = self.root.join(MANIFEST);
-        let temporary = self.temporary(MANIFEST);
-        fs::write(&temporary, manifest.to_json())
-            .map_err(|e| refused_by_system("write", &temporary, e))?;
-        // Unlike a rename, a link never replaces the manifest of a quicker shard.
-        let linked = fs::hard_link(&temporary, &path);
-        if linked.is_err() && !path.exists() {
-            // A file system without links.
-            return fs::rename(&temporary, &path)
-                .map_err(|e| refused_by_system("rename to", &path, e));
-        }
-        fs::remove_file(&temporary).map_err(|e| refused_by_system("remove", &temporary, e))
-    }
-
-    fn temporary(&self, name: &str) -> PathBuf {
+    pub(super) fn temporary(&self, name: &str) -> PathBuf {
         let path = self.root.join(name);
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         path.with_file_name(format!(".{file}.{}.tmp", self.tag))
@@ -177,7 +93,10 @@ impl SweepFolder {
     /// When the system refuses.
     pub fn write(&self, name: &str, text: &str) -> Result<(), SweepError> {
         let (path, temporary) = (self.root.join(name), self.temporary(name));
-        fs::write(&temporary, text).map_err(|e| refused_by_system("write", &temporary, e))?;
+        // Else a computer that fails may leave the name with nothing behind it.
+        File::create(&temporary)
+            .and_then(|mut file| file.write_all(text.as_bytes()).and_then(|()| file.sync_all()))
+            .map_err(|e| refused_by_system("write", &temporary, e))?;
         fs::rename(&temporary, &path).map_err(|e| refused_by_system("rename to", &path, e))
     }
 
@@ -195,11 +114,26 @@ impl SweepFolder {
             );
             return Err(SweepError::Refused(text));
         }
-        let manifest: Manifest = read_json(&path, expected)?;
-        match manifest.flaw() {
-            None => Ok(manifest),
-            Some(reason) => Err(SweepError::Unreadable { path, expected, reason }),
+        let refuse = |reason: String| SweepError::Unreadable {
+            path: path.clone(),
+            expected,
+            reason: format!(
+                "{reason}\n  = without the file, --resume with the command of the sweep takes up the runs \
+                 that are there"
+            ),
+        };
+        let value: Value = read_json(&path).map_err(refuse)?;
+        if let Some(format) = value["format"].as_u64().filter(|&format| format != u64::from(FORMAT))
+        {
+            return Err(SweepError::Refused(format!(
+                "error: the sweep in `{}` was written by another version of csat (format {format}; this one \
+                 reads {FORMAT})\n  = expected that version, or --out with another folder",
+                self.root.display()
+            )));
         }
+        let manifest: Manifest =
+            serde_json::from_value(value).map_err(|e| refuse(e.to_string()))?;
+        manifest.flaw().map_or(Ok(manifest), |reason| Err(refuse(reason)))
     }
 
     /// The path of a run's file.
@@ -215,27 +149,24 @@ impl SweepFolder {
         self.write(&format!("runs/{}.json", manifest.run_name(run)), text)
     }
 
-    /// The file of a run; `None` when it is not there. `fingerprint` is that of the manifest, which
-    /// takes a while for a large sweep.
+    /// The file of a run; `None` when it is not there.
     ///
     /// # Errors
-    /// When it is no such file, or that of another sweep.
-    pub fn run(
-        &self,
-        manifest: &Manifest,
-        fingerprint: &str,
-        run: &Run,
-    ) -> Result<Option<RunRecord>, SweepError> {
+    /// When it is no such file, or that of another run.
+    pub fn run(&self, manifest: &Manifest, run: &Run) -> Result<Option<RunRecord>, BadRun> {
         let path = self.run_path(manifest, run);
-        if !path.exists() {
+        if path.symlink_metadata().is_err() {
             return Ok(None);
         }
-        let record: RunRecord = read_json(&path, "the file of a run")?;
-        if record.sweep != fingerprint {
-            let reason = format!("it belongs to sweep {}", record.sweep);
-            return Err(SweepError::Unreadable { path, expected: "a run of this sweep", reason });
+        let record: RunRecord =
+            read_json(&path).map_err(|reason| BadRun { path: path.clone(), reason })?;
+        let hash = &manifest.points[run.point].scenario_hash;
+        if (&record.scenario_hash, record.seed) == (hash, run.seed) {
+            return Ok(Some(record));
         }
-        Ok(Some(record))
+        let (other, seed) = (&record.scenario_hash, record.seed);
+        let reason = format!("it says that it is seed {seed} of scenario {other}");
+        Err(BadRun { path, reason })
     }
 
     /// Where a run is while it flies: nobody's result.
@@ -252,28 +183,16 @@ impl SweepFolder {
     pub(super) fn partial_of(&self, shard: Shard) -> PathBuf {
         self.root.join(PARTIAL).join(format!("{}of{}", shard.index, shard.count))
     }
-
-    /// Removes what died in the middle of a run of this shard.
-    ///
-    /// # Errors
-    /// When the system refuses.
-    pub fn clear_partial(&self, shard: Shard) -> Result<(), SweepError> {
-        let partial = self.partial_of(shard);
-        if partial.exists() {
-            fs::remove_dir_all(&partial).map_err(|e| refused_by_system("remove", &partial, e))?;
-        }
-        Ok(())
-    }
 }
 
-fn read_json<T: serde::de::DeserializeOwned>(
-    path: &Path,
-    expected: &'static str,
-) -> Result<T, SweepError> {
-    let refuse =
-        |reason: String| SweepError::Unreadable { path: path.to_owned(), expected, reason };
-    let text = fs::read_to_string(path).map_err(|e| refuse(e.to_string()))?;
-    serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))
+fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, String> {
+    let text = fs::read_to_string(path).map_err(|e| e.to_string())?;
+    if text.trim().is_empty() {
+        return Err("it is empty".to_owned());
+    }
+    serde_json::from_str(&text).map_err(|error| {
+        if error.is_eof() { format!("it is cut short: {error}") } else { error.to_string() }
+    })
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
-//! That no two processes fly the same shard into the same folder: each would take what the other has
-//! under way for what a dead process left, and remove it.
+//! That no two processes fly the same shard into the same folder (each would take what the other has
+//! under way for what a dead process left, and remove it), and that a sweep does not grow while a process
+//! flies in its folder.
 
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -10,40 +11,74 @@ use super::folder::SweepFolder;
 use super::seeds::Shard;
 use super::{SweepError, refused_by_system};
 
-/// A shard that no other process may take, where the file system has locks. The system lets go of it with
+/// What the files of locks end with.
+const LOCK: &str = "lock";
+
+/// A file that no other process may lock, where the file system has locks. The system lets go of it with
 /// the process, however that ends; the file goes when this is dropped.
 #[derive(Debug)]
-pub(super) struct ShardLock {
+pub(super) struct Lock {
     path: PathBuf,
     _file: File,
 }
 
-impl ShardLock {
+impl Lock {
     /// Takes a shard.
     ///
     /// # Errors
     /// When another process has it, or the system refuses.
-    pub(super) fn take(folder: &SweepFolder, shard: Shard) -> Result<Self, SweepError> {
-        let path = folder.partial_of(shard).with_extension("lock");
-        let refused = |what, error| refused_by_system(what, &path, error);
+    pub(super) fn shard(folder: &SweepFolder, shard: Shard) -> Result<Self, SweepError> {
+        let path = folder.partial_of(shard).with_extension(LOCK);
+        Self::take(path, |file| file.try_lock(), || taken(folder, shard))
+    }
+
+    /// Takes the manifest: waits until no other process looks whether it may start.
+    ///
+    /// # Errors
+    /// When the system refuses.
+    pub(super) fn manifest(folder: &SweepFolder) -> Result<Self, SweepError> {
+        let path = folder.partial_of(Shard::WHOLE).with_file_name("manifest.lock");
+        let wait = |file: &File| file.lock().map_err(TryLockError::Error);
+        Self::take(path, wait, || unreachable!("it waits"))
+    }
+
+    fn take(
+        path: PathBuf,
+        lock: impl Fn(&File) -> Result<(), TryLockError>,
+        taken: impl Fn() -> SweepError,
+    ) -> Result<Self, SweepError> {
         loop {
             let file = match open(&path) {
-                // Whoever was the last to end has just removed the folder.
+                // The last process that flew has just removed the folder.
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
-                file => file.map_err(|error| refused("create", error))?,
+                file => file.map_err(|error| refused_by_system("create", &path, error))?,
             };
-            match file.try_lock() {
-                // Whoever had it has just removed the file.
+            match lock(&file) {
+                // The process that had it has just removed the file.
                 Ok(()) if !is_at(&file, &path) => {}
-                // Without locks nobody can know.
+                // Without locks no process can know.
                 Ok(()) | Err(TryLockError::Error(_)) => return Ok(Self { path, _file: file }),
-                Err(TryLockError::WouldBlock) => return Err(taken(folder, shard)),
+                Err(TryLockError::WouldBlock) => return Err(taken()),
             }
         }
     }
+
+    /// Whether a process has a shard of the folder, other than this lock.
+    pub(super) fn others_fly(&self) -> bool {
+        let folder = self.path.parent().map(fs::read_dir);
+        let paths = folder.into_iter().flatten().flatten().flatten().map(|entry| entry.path());
+        let shards = paths.filter(|path| {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy();
+            path.extension().is_some_and(|e| e == LOCK) && name.contains("of") && *path != self.path
+        });
+        shards.filter_map(|path| File::open(path).ok()).any(|file| {
+            let taken = file.try_lock();
+            matches!(taken, Err(TryLockError::WouldBlock))
+        })
+    }
 }
 
-impl Drop for ShardLock {
+impl Drop for Lock {
     fn drop(&mut self) {
         let _ = fs::remove_file(&self.path);
         // Only when no other shard is at work.
@@ -85,27 +120,42 @@ mod tests {
         let base = scratch("lock");
         let folder = SweepFolder::at(&base);
         let [first, second] = ["1/2", "2/2"].map(|text| Shard::parse(text).unwrap());
-        let held = ShardLock::take(&folder, first).unwrap();
-        let refusal = ShardLock::take(&folder, first).unwrap_err().to_string();
+        let held = Lock::shard(&folder, first).unwrap();
+        let refusal = Lock::shard(&folder, first).unwrap_err().to_string();
         assert!(
             refusal.starts_with("error: another process is flying shard 1/2 of the sweep in `")
         );
-        let other = ShardLock::take(&folder, second).unwrap();
+        let other = Lock::shard(&folder, second).unwrap();
         drop(held);
-        let again = ShardLock::take(&folder, first).unwrap();
+        let again = Lock::shard(&folder, first).unwrap();
         assert!(base.join(".partial/1of2.lock").exists());
         drop((other, again));
         assert!(!base.join(".partial").exists());
     }
 
-    /// A file that somebody left behind is nobody's.
+    #[test]
+    fn a_shard_knows_of_others() {
+        let base = scratch("lock-others");
+        let folder = SweepFolder::at(&base);
+        let [first, second] = ["1/2", "2/2"].map(|text| Shard::parse(text).unwrap());
+        let held = Lock::shard(&folder, first).unwrap();
+        let _manifest = Lock::manifest(&folder).unwrap();
+        File::create(base.join(".partial/7of9.lock")).unwrap();
+        assert!(!held.others_fly());
+        let other = Lock::shard(&folder, second).unwrap();
+        assert!(held.others_fly() && other.others_fly());
+        drop(other);
+        assert!(!held.others_fly());
+    }
+
+    /// A file that a dead process left is locked by none.
     #[test]
     fn a_dead_process_holds_nothing() {
         let base = scratch("lock-dead");
         fs::create_dir(base.join(".partial")).unwrap();
         File::create(base.join(".partial/1of1.lock")).unwrap();
         let folder = SweepFolder::at(&base);
-        let _held = ShardLock::take(&folder, Shard::WHOLE).unwrap();
-        assert!(ShardLock::take(&folder, Shard::WHOLE).is_err());
+        let _held = Lock::shard(&folder, Shard::WHOLE).unwrap();
+        assert!(Lock::shard(&folder, Shard::WHOLE).is_err());
     }
 }

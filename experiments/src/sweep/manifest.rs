@@ -3,16 +3,15 @@
 use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
-use xxhash_rust::xxh3::xxh3_64;
 
 use super::check::Checked;
 use super::plan::{Point, Run};
 use super::seeds::{Shard, seeds_text};
 use super::vary::Axis;
-use crate::provenance::Provenance;
+use crate::provenance::Build;
 
 /// Counts up when the files of a sweep change their meaning.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// A sweep in full.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,16 +30,16 @@ pub struct Manifest {
     pub seeds: String,
     /// Whether perfect links are flown for comparison.
     pub baseline: bool,
+    /// What differences within a seed are from: `--against`; see [`super::pairs::Reference`].
+    pub against: Option<String>,
     /// Every combination, then those with perfect links for comparison.
     pub points: Vec<Point>,
-    /// The first combination in full.
+    /// The first combination in full, but for its seed.
     pub scenario_toml: String,
-    /// Version of `csat`.
-    pub version: String,
-    /// Git revision it was built from.
-    pub git_revision: Option<String>,
-    /// Whether that tree had changes that were not committed.
-    pub git_dirty: Option<bool>,
+    /// Hash of the file of an imported town of the user's own, in the first combination.
+    pub map_hash: Option<String>,
+    /// The program that it was planned with.
+    pub build: Build,
 }
 
 /// What the command line says.
@@ -56,12 +55,13 @@ pub struct Request {
     pub seeds: Vec<u64>,
     /// Whether to fly perfect links for comparison.
     pub baseline: bool,
+    /// `--against`.
+    pub against: Option<String>,
 }
 
 impl Manifest {
     /// Of this program.
     pub fn new(request: Request, points: Vec<Point>, checked: Checked) -> Self {
-        let program = Provenance::collect(&checked.name, 0, None);
         Self {
             format: FORMAT,
             scenario: checked.name,
@@ -70,22 +70,17 @@ impl Manifest {
             vary: request.axes,
             seeds: seeds_text(&request.seeds),
             baseline: request.baseline,
+            against: request.against,
             points,
             scenario_toml: checked.scenario_toml,
-            version: program.version,
-            git_revision: program.git_revision,
-            git_dirty: program.git_dirty,
+            map_hash: checked.map_hash,
+            build: Build::this(),
         }
     }
 
     /// As JSON.
     pub fn to_json(&self) -> String {
         serde_json::to_string_pretty(self).expect("a manifest is JSON") + "\n"
-    }
-
-    /// What the run files of this sweep carry, so that none of another one is taken for theirs.
-    pub fn fingerprint(&self) -> String {
-        format!("{:016x}", xxh3_64(self.to_json().as_bytes()))
     }
 
     /// What is wrong with it, as it may be after somebody edited its file.
@@ -123,6 +118,33 @@ impl Manifest {
         runs.into_iter().map(|(_, run)| run).collect()
     }
 
+    /// The point that is this mission, whatever its seed.
+    pub fn point_of(&self, scenario_hash: &str) -> Option<usize> {
+        self.points.iter().position(|point| point.scenario_hash == scenario_hash)
+    }
+
+    /// The combination of these values.
+    pub fn combination(&self, choice: &[Option<usize>]) -> Option<usize> {
+        self.points.iter().position(|point| point.choice == choice && !point.is_baseline)
+    }
+
+    /// The point with perfect links that has all else in common with a choice.
+    pub fn perfect_like(&self, choice: &[Option<usize>]) -> Option<usize> {
+        let same = |point: &Point| {
+            let pairs = point.choice.iter().zip(choice).zip(&self.vary);
+            point.perfect && pairs.into_iter().all(|((a, b), axis)| axis.is_netem() || a == b)
+        };
+        self.points.iter().position(same)
+    }
+
+    /// The runs of a part of `asked`, a sweep that this one covers, as runs of this one.
+    pub fn runs_of(&self, asked: &Self, shard: Shard) -> Vec<Run> {
+        let points: Vec<Option<usize>> =
+            asked.points.iter().map(|point| self.point_of(&point.scenario_hash)).collect();
+        let runs = asked.runs(shard).into_iter();
+        runs.filter_map(|run| Some(Run { point: points[run.point]?, ..run })).collect()
+    }
+
     /// The name of a run's file, without its ending.
     pub fn run_name(&self, run: &Run) -> String {
         self.points[run.point].run_name(run.seed)
@@ -153,43 +175,10 @@ impl Manifest {
             (false, true) => command += " --no-baseline",
             _ => {}
         }
+        if let Some(against) = &self.against {
+            command += &format!(" --against {}", quoted(against));
+        }
         command
-    }
-
-    /// What distinguishes it from the one that is there, one line each; none for equal ones.
-    pub fn differences(&self, there: &Self) -> Vec<String> {
-        let sets = |m: &Self| m.sets.join(" ");
-        let vary = |m: &Self| m.vary.iter().map(Axis::argument).collect::<Vec<_>>().join(" ");
-        let yes = |baseline: bool| if baseline { "yes" } else { "no" }.to_owned();
-        let revision = |m: &Self| {
-            let dirty = if m.git_dirty == Some(true) { ", with changes" } else { "" };
-            format!("{}{dirty}", m.git_revision.as_deref().unwrap_or("unknown"))
-        };
-        let pairs = [
-            ("format", there.format.to_string(), self.format.to_string()),
-            ("scenario", there.source.clone(), self.source.clone()),
-            ("--set", sets(there), sets(self)),
-            ("--vary", vary(there), vary(self)),
-            ("--seeds", there.seeds.clone(), self.seeds.clone()),
-            ("--baseline", yes(there.baseline), yes(self.baseline)),
-            ("version", there.version.clone(), self.version.clone()),
-            ("git revision", revision(there), revision(self)),
-        ];
-        let mut lines: Vec<String> = pairs
-            .into_iter()
-            .filter(|(_, there, here)| there != here)
-            .map(|(what, there, here)| format!("{what}: `{there}` there, `{here}` here"))
-            .collect();
-        if lines.is_empty() && self.scenario_toml != there.scenario_toml {
-            let pairs = there.scenario_toml.lines().zip(self.scenario_toml.lines());
-            let first = pairs.into_iter().find(|(there, here)| there != here);
-            let (there, here) = first.unwrap_or(("more or less of it", "less or more of it"));
-            lines.push(format!("the scenario's values: `{there}` there, `{here}` here"));
-        }
-        if lines.is_empty() && self != there {
-            lines.push("the scenarios of the points, or the map".to_owned());
-        }
-        lines
     }
 }
 
@@ -220,6 +209,19 @@ pub(crate) mod tests {
     use super::*;
     use crate::sweep::plan;
 
+    /// As if each value made another mission, whatever the order of keys, and perfect links the same one
+    /// however they come about.
+    pub(crate) fn identify(points: &mut [Point]) {
+        for point in points {
+            let counts = |set: &&String| !(point.perfect && set.starts_with("netem."));
+            let mut sets: Vec<&str> =
+                point.sets.iter().filter(counts).map(String::as_str).collect();
+            sets.sort_unstable();
+            let text = format!("{} {}", point.perfect, sets.join(" "));
+            point.identify(&format!("{:016x}", xxhash_rust::xxh3::xxh3_64(text.as_bytes())));
+        }
+    }
+
     /// A manifest of these axes, as if perfect links were flown for comparison when needed.
     pub(crate) fn sample(vary: &[&str], seeds: &str) -> Manifest {
         let axes: Vec<Axis> = vary.iter().map(|a| Axis::parse(a).unwrap()).collect();
@@ -231,9 +233,11 @@ pub(crate) mod tests {
         if baseline {
             points.extend(plan::baselines(&axes, &points));
         }
+        identify(&mut points);
         let seeds = crate::sweep::seeds::parse_seeds(seeds).unwrap();
         let sets = vec!["run.duration_s=9".to_owned()];
-        let request = Request { source: "city".to_owned(), sets, axes, seeds, baseline };
+        let source = "city".to_owned();
+        let request = Request { source, sets, axes, seeds, baseline, against: None };
         let checked = Checked { name: "city".to_owned(), ..Checked::default() };
         Manifest::new(request, points, checked)
     }
@@ -290,27 +294,12 @@ pub(crate) mod tests {
         assert!(flaw(|m| m.seeds = "5..1".into()).starts_with("seeds: `5..1` has no seed"));
         assert_eq!(
             flaw(|m| m.points[1].choice = vec![Some(9), Some(0)]),
-            "point `02-a-2-b-c-1-2`: there is no value 9 of `a`, which has 2 (from 0)"
+            format!(
+                "point `{}`: there is no value 9 of `a`, which has 2 (from 0)",
+                good.points[1].name
+            )
         );
         assert!(flaw(|m| m.points[0].choice = vec![Some(0)]).ends_with("1 choices for 2 axes"));
         assert!(flaw(|m| m.vary[1].values[0].texts.clear()).contains("0 texts for `b, c`"));
-    }
-
-    #[test]
-    fn differences_are_named() {
-        let one = sample(&["a=1,2"], "1..4");
-        assert!(one.differences(&one).is_empty());
-        let other = sample(&["a=1,3"], "1..5");
-        assert_eq!(
-            other.differences(&one),
-            ["--vary: `a=1,2` there, `a=1,3` here", "--seeds: `1..4` there, `1..5` here"]
-        );
-        let edited = Manifest { scenario_toml: "x = 1\ny = 2".into(), ..one.clone() };
-        let again = Manifest { scenario_toml: "x = 1\ny = 3".into(), ..one.clone() };
-        assert_eq!(
-            again.differences(&edited),
-            ["the scenario's values: `y = 2` there, `y = 3` here"]
-        );
-        assert_ne!(edited.fingerprint(), again.fingerprint());
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! A sweep is a folder. `sweep.json`, the [`manifest`], says what belongs to it; `runs/` has one file
 //! per finished mission and nothing of unfinished ones, so to resume is to fly what has no file, and
-//! to merge is to read what has one. Everything drawn and tabled is a function of these files alone
+//! to merge is to read what has one. A mission is known by its scenario and seed, not by its place in a
+//! sweep, so a sweep may grow. Everything drawn and tabled is a function of these files alone
 //! and has no clock in it: one process or many, stopped or not, give the same bytes.
 //!
 //! | module | what it does |
@@ -11,11 +12,15 @@
 //! | [`plan`] | points and runs |
 //! | [`check`] | every mistake of every combination, before anything flies |
 //! | [`manifest`] | `sweep.json` |
-//! | [`folder`], `lock` | where the files are, and that no two processes fly the same |
+//! | [`folder`] | where the files are |
+//! | [`take`], `lock` | which process flies what, so that no two fly the same |
 //! | [`record`] | the file of one run |
+//! | [`growth`] | more seeds, values and keys: one sweep out of two |
 //! | [`fly`], [`work`] | one mission, many missions |
-//! | [`bar`] | what shows meanwhile |
-//! | [`results`], [`stats`], [`table`] | all runs, their means, `sweep.csv` and `sweep_means.csv` |
+//! | [`bar`], [`pace`] | what shows meanwhile, and the time left |
+//! | [`results`], [`metric`] | all runs, and which of their numbers count most |
+//! | [`stats`], [`pairs`] | means, and differences within a seed |
+//! | [`table`] | `sweep.csv`, `sweep_means.csv` and `sweep_pairs.csv` |
 //! | [`report`] | `report.html` |
 //! | [`merge`] | from run files to those |
 
@@ -23,9 +28,13 @@ pub mod bar;
 pub mod check;
 pub mod fly;
 pub mod folder;
+pub mod growth;
 mod lock;
 pub mod manifest;
 pub mod merge;
+pub mod metric;
+pub mod pace;
+pub mod pairs;
 pub mod plan;
 pub mod record;
 pub mod report;
@@ -33,6 +42,7 @@ pub mod results;
 pub mod seeds;
 pub mod stats;
 pub mod table;
+pub mod take;
 pub mod vary;
 pub mod work;
 

@@ -18,27 +18,34 @@ const BASELINE: &str = "baseline";
 /// A combination of values.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Point {
-    /// Its name, and that of its files before `-seedN`.
+    /// Its name, and that of its files before `-seedN`: its values and its hash, so that it stays the
+    /// same when the sweep grows.
     pub name: String,
+    /// Whether it stands for perfect links only, outside of the combinations asked for.
+    pub is_baseline: bool,
     /// Per axis, which of its values; `None` where perfect links stand instead of one.
     pub choice: Vec<Option<usize>>,
     /// What `--set` gets besides the sweep's own sets.
     pub sets: Vec<String>,
     /// Whether its links are perfect.
     pub perfect: bool,
-    /// Hash of its scenario in full with seed 0, hexadecimal.
+    /// [`super::check::hash`]: together with the seed, which mission it is.
     pub scenario_hash: String,
 }
 
 impl Point {
-    /// Whether it stands for perfect links only, outside of the combinations asked for.
-    pub fn is_baseline(&self) -> bool {
-        self.choice.iter().any(Option::is_none) || self.name.starts_with(BASELINE)
-    }
-
     /// The name of its run with this seed.
     pub fn run_name(&self, seed: u64) -> String {
         format!("{}-seed{seed}", self.name)
+    }
+
+    /// Gives it its hash, which becomes a part of its name.
+    pub fn identify(&mut self, hash: &str) {
+        let values = self.name.strip_suffix(&self.scenario_hash).unwrap_or(&self.name);
+        let values = values.trim_end_matches('-');
+        let dash = if values.is_empty() { "" } else { "-" };
+        self.name = format!("{values}{dash}{hash}");
+        hash.clone_into(&mut self.scenario_hash);
     }
 
     /// What in it does not belong to these axes, as it may be after somebody edited its file.
@@ -71,7 +78,7 @@ impl Point {
         let values = (0..axes.len()).filter(|&a| self.choice[a].is_some());
         let values = values.map(|a| format!("{}={}", axes[a].title(), self.shown(axes, a)));
         let values = values.collect::<Vec<_>>().join(", ");
-        match (self.is_baseline(), values.is_empty()) {
+        match (self.is_baseline, values.is_empty()) {
             (true, true) => "perfect links".to_owned(),
             (true, false) => format!("perfect links, {values}"),
             (false, true) => "the scenario as it is".to_owned(),
@@ -124,7 +131,8 @@ pub fn clashes(axes: &[Axis], sets: &[String]) -> Vec<Mistake> {
     mistakes
 }
 
-/// Every combination, the last axis fastest. `perfect` and `scenario_hash` are not known yet.
+/// Every combination, the last axis fastest. What [`Point::identify`] and loading them tell is not known
+/// yet.
 pub fn points(axes: &[Axis]) -> Vec<Point> {
     let mut choices: Vec<Vec<Option<usize>>> = vec![Vec::new()];
     for axis in axes {
@@ -134,9 +142,7 @@ pub fn points(axes: &[Axis]) -> Vec<Point> {
         };
         choices = choices.iter().flat_map(longer).collect();
     }
-    let digits = choices.len().to_string().len().max(2);
-    let numbered = choices.into_iter().enumerate();
-    numbered.map(|(i, choice)| point(axes, choice, format!("{:0digits$}", i + 1))).collect()
+    choices.into_iter().map(|choice| point(axes, choice, String::new())).collect()
 }
 
 /// The points with perfect links that `points` lacks: one for each combination of what is not about
@@ -152,14 +158,13 @@ pub fn baselines(axes: &[Axis], points: &[Point]) -> Vec<Point> {
             missing.push(choice);
         }
     }
-    // Numbered like all points: what follows the number need not tell them apart.
-    let baseline = |(i, choice)| {
-        let mut point = point(axes, choice, format!("{BASELINE}{:02}", i + 1));
+    let baseline = |choice| {
+        let mut point = point(axes, choice, BASELINE.to_owned());
         point.sets.extend(perfect_links());
-        point.perfect = true;
+        (point.perfect, point.is_baseline) = (true, true);
         point
     };
-    missing.into_iter().enumerate().map(baseline).collect()
+    missing.into_iter().map(baseline).collect()
 }
 
 /// The sets that make all links perfect.
@@ -169,8 +174,8 @@ fn perfect_links() -> Vec<String> {
     table.into_iter().flatten().map(|(key, value)| format!("netem.{key}={value}")).collect()
 }
 
-fn point(axes: &[Axis], choice: Vec<Option<usize>>, number: String) -> Point {
-    let (mut name, mut sets) = (String::new(), Vec::new());
+fn point(axes: &[Axis], choice: Vec<Option<usize>>, mut name: String) -> Point {
+    let mut sets = Vec::new();
     for (axis, index) in axes.iter().zip(&choice) {
         let Some(index) = index else { continue };
         let value = &axis.values[*index];
@@ -178,8 +183,9 @@ fn point(axes: &[Axis], choice: Vec<Option<usize>>, number: String) -> Point {
         name += &format!("-{}-{}", last.collect::<Vec<_>>().join("-"), value.shown());
         sets.extend(axis.keys.iter().zip(&value.texts).map(|(k, t)| format!("{k}={t}")));
     }
-    let name = format!("{number}{}", slug(&name));
-    Point { name, choice, sets, perfect: false, scenario_hash: String::new() }
+    let name = slug(name.trim_start_matches('-'));
+    let scenario_hash = String::new();
+    Point { name, is_baseline: false, choice, sets, perfect: false, scenario_hash }
 }
 
 /// What can be part of a file's name on any system.
@@ -211,10 +217,10 @@ mod tests {
         assert_eq!(
             names,
             [
-                "01-range_m-25-count-count-2-4",
-                "02-range_m-25-count-count-4-8",
-                "03-range_m-inf-count-count-2-4",
-                "04-range_m-inf-count-count-4-8",
+                "range_m-25-count-count-2-4",
+                "range_m-25-count-count-4-8",
+                "range_m-inf-count-count-2-4",
+                "range_m-inf-count-count-4-8",
             ]
         );
         assert_eq!(points[1].sets, ["netem.radio.range_m=25", "agents.count=4", "targets.count=8"]);
@@ -222,7 +228,13 @@ mod tests {
             points[1].describe(&axes),
             "netem.radio.range_m=25, agents.count, targets.count=4, 8"
         );
-        assert_eq!(super::points(&[])[0].name, "01");
+        let [mut bare] = <[Point; 1]>::try_from(super::points(&[])).unwrap();
+        bare.identify("0123");
+        assert_eq!(bare.run_name(7), "0123-seed7");
+        let mut first = points[0].clone();
+        first.identify("0123");
+        first.identify("4567");
+        assert_eq!(first.name, "range_m-25-count-count-2-4-4567");
     }
 
     #[test]
@@ -234,7 +246,7 @@ mod tests {
         let missing = baselines(&axes, &points);
         assert_eq!(missing.len(), 1);
         assert_eq!(missing[0].choice, [None, Some(1)]);
-        assert!(missing[0].is_baseline() && missing[0].perfect);
+        assert!(missing[0].is_baseline && missing[0].perfect);
         assert_eq!(missing[0].sets[0], "agents.count=4");
         assert!(missing[0].sets.iter().any(|s| s.starts_with("netem.radio={")), "{missing:?}");
         assert_eq!(missing[0].describe(&axes), "perfect links, agents.count=4");
@@ -248,9 +260,10 @@ mod tests {
             let axes = axes(&["netem.radio.range_m=25,50", &format!("a.b={values}")]);
             let mut points = points(&axes);
             points.extend(baselines(&axes, &points));
+            crate::sweep::manifest::tests::identify(&mut points);
             let names: BTreeSet<&str> = points.iter().map(|p| p.name.as_str()).collect();
             assert_eq!(names.len(), 6, "{names:?}");
-            assert!(points[4].name.starts_with("baseline01"), "{names:?}");
+            assert!(points[4].name.starts_with("baseline-b-"), "{names:?}");
         }
     }
 

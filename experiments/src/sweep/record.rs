@@ -7,16 +7,17 @@ use serde_json::Value;
 
 use super::manifest::Manifest;
 use super::plan::Run;
+use crate::provenance::Build;
 
 /// What became of one run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
-    /// [`Manifest::fingerprint`].
-    pub sweep: String,
-    /// Name of the point.
-    pub point: String,
+    /// Together with the seed, which mission it is: [`super::plan::Point::scenario_hash`].
+    pub scenario_hash: String,
     /// The seed.
     pub seed: u64,
+    /// What flew it.
+    pub build: Build,
     /// The point's values by key.
     pub vary: BTreeMap<String, String>,
     /// The command that flies it again.
@@ -43,9 +44,9 @@ impl RunRecord {
             Err(why) => (None, Some(why)),
         };
         Self {
-            sweep: manifest.fingerprint(),
-            point: point.name.clone(),
+            scenario_hash: point.scenario_hash.clone(),
             seed: run.seed,
+            build: Build::this(),
             vary,
             replay: manifest.replay(run),
             failed,

@@ -4,12 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
-use super::SweepError;
-use super::folder::SweepFolder;
+use super::folder::{BadRun, SweepFolder};
 use super::manifest::Manifest;
 use super::plan::Run;
 use super::record::RunRecord;
 use super::seeds::Shard;
+use crate::provenance::Build;
 
 /// A sweep and what is known of its runs.
 #[derive(Debug, Clone)]
@@ -18,6 +18,8 @@ pub struct Results {
     pub manifest: Manifest,
     /// Every run, point by point, and its record if there is one.
     pub runs: Vec<(Run, Option<RunRecord>)>,
+    /// Files that should be runs and are not; their runs are missing.
+    pub bad: Vec<BadRun>,
 }
 
 /// How many runs ended how.
@@ -41,16 +43,28 @@ const LEFT_OUT: [&str; 6] =
 
 impl Results {
     /// Reads what is in the folder of a sweep.
-    ///
-    /// # Errors
-    /// When a file is not what it should be.
-    pub fn read(folder: &SweepFolder, manifest: Manifest) -> Result<Self, SweepError> {
+    pub fn read(folder: &SweepFolder, manifest: Manifest) -> Self {
         let mut order = manifest.runs(Shard::WHOLE);
         order.sort_by_key(|run| run.point);
-        let fingerprint = manifest.fingerprint();
-        let with_record = |run: Run| Ok((run, folder.run(&manifest, &fingerprint, &run)?));
-        let runs = order.into_iter().map(with_record).collect::<Result<_, SweepError>>()?;
-        Ok(Self { manifest, runs })
+        let mut bad = Vec::new();
+        let mut runs = Vec::new();
+        for run in order {
+            let record = folder.run(&manifest, &run).unwrap_or_else(|flaw| {
+                bad.push(flaw);
+                None
+            });
+            runs.push((run, record));
+        }
+        Self { manifest, runs, bad }
+    }
+
+    /// The programs that flew the runs, each with the number of runs.
+    pub fn builds(&self) -> BTreeMap<&Build, usize> {
+        let mut builds = BTreeMap::new();
+        for record in self.runs.iter().filter_map(|(_, record)| record.as_ref()) {
+            *builds.entry(&record.build).or_default() += 1;
+        }
+        builds
     }
 
     /// How many runs ended how.
@@ -82,9 +96,12 @@ impl Results {
     }
 }
 
+/// Values by dotted key.
+pub type Values = BTreeMap<String, Value>;
+
 /// The values of a run by dotted key: numbers, texts and nulls of its summary but none of a clock,
 /// and what follows from them.
-pub fn values(record: &RunRecord) -> BTreeMap<String, Value> {
+pub fn values(record: &RunRecord) -> Values {
     let mut values = BTreeMap::new();
     if let Some(Value::Object(summary)) = &record.summary {
         for (key, value) in summary.iter().filter(|(key, _)| !LEFT_OUT.contains(&key.as_str())) {
@@ -162,7 +179,7 @@ pub(crate) mod tests {
         };
         let numbered = order.into_iter().enumerate();
         let runs = numbered.map(|(n, run)| (run, record(n, &run))).collect();
-        Results { manifest, runs }
+        Results { manifest, runs, bad: Vec::new() }
     }
 
     #[test]

@@ -18,6 +18,17 @@ pub struct Stats {
     pub max: f64,
 }
 
+/// The fewest values whose confidence interval is worth drawing: with two, Student's t is 12.7, and the
+/// interval hides everything else.
+pub const FEWEST_DRAWN: usize = 3;
+
+impl Stats {
+    /// Half the width of the interval, if it is worth drawing.
+    pub fn drawn_half_width(&self) -> Option<f64> {
+        self.half_width.filter(|_| self.n >= FEWEST_DRAWN)
+    }
+}
+
 /// The statistics of values; `None` for none.
 pub fn stats(values: &[f64]) -> Option<Stats> {
     let n = values.len();
@@ -86,6 +97,9 @@ mod tests {
         let s = stats(&[2.0, 4.0, 6.0]).unwrap();
         assert_eq!((s.n, s.mean, s.sd, s.min, s.max), (3, 4.0, Some(2.0), 2.0, 6.0));
         assert!((s.half_width.unwrap() - 4.302653 * 2.0 / 3f64.sqrt()).abs() < 1e-12);
+        assert_eq!(s.drawn_half_width(), s.half_width);
+        let two = stats(&[2.0, 4.0]).unwrap();
+        assert!(two.half_width.is_some() && two.drawn_half_width().is_none());
         let one = stats(&[5.0]).unwrap();
         assert_eq!((one.sd, one.half_width), (None, None));
         assert_eq!(stats(&[]), None);

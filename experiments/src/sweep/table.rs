@@ -1,6 +1,8 @@
-//! `sweep.csv`, a row per run, and `sweep_means.csv`, a row per point and number.
+//! `sweep.csv`, a row per run; `sweep_means.csv`, a row per point and number; `sweep_pairs.csv`, the same
+//! of differences within a seed.
 
-use super::results::{Results, values};
+use super::pairs::{Paired, Reference};
+use super::results::{Results, Values, values};
 use super::stats::stats;
 use super::vary::Axis;
 use serde_json::Value;
@@ -53,12 +55,7 @@ pub fn means_csv(results: &Results) -> String {
     for (index, point) in manifest.points.iter().enumerate() {
         let flown: Vec<_> = results.flown(index).map(values).collect();
         for column in &columns {
-            let missing = column.starts_with(COUNTS).then_some(0.0);
-            let number = |v: &std::collections::BTreeMap<String, Value>| match v.get(column) {
-                Some(value) => value.as_f64(),
-                None => missing,
-            };
-            let numbers: Vec<f64> = flown.iter().filter_map(number).collect();
+            let numbers: Vec<f64> = flown.iter().filter_map(|v| number(v, column)).collect();
             let Some(s) = stats(&numbers) else { continue };
             let mut row = vec![point.name.clone()];
             row.extend(point_cells(&manifest.vary, &point.choice));
@@ -70,6 +67,61 @@ pub fn means_csv(results: &Results) -> String {
         }
     }
     rows.finish()
+}
+
+/// `sweep_pairs.csv`: over the seeds that a point and what it is compared with both have.
+pub fn pairs_csv(results: &Results, reference: &Reference) -> String {
+    let manifest = &results.manifest;
+    let keys = manifest.vary.iter().flat_map(|axis| axis.keys.iter().cloned());
+    let tail = [
+        "against",
+        "metric",
+        "n",
+        "mean_difference",
+        "sd",
+        "ci95_half_width",
+        "min",
+        "max",
+        "lower",
+        "higher",
+    ];
+    let header = ["point".to_owned()].into_iter().chain(keys).chain(tail.map(str::to_owned));
+    let mut rows = Rows::new(header);
+    let columns = results.columns();
+    for (index, point) in manifest.points.iter().enumerate() {
+        let Some(of) = reference.of[index] else { continue };
+        let [here, there] = [index, of].map(|point| {
+            let runs = results.flown(point).map(|record| (record.seed, values(record)));
+            runs.collect::<Vec<_>>()
+        });
+        for column in &columns {
+            let by_seed = |runs: &[(u64, Values)]| {
+                runs.iter().filter_map(|(seed, v)| Some((*seed, number(v, column)?))).collect()
+            };
+            let Some(paired) = Paired::new(&by_seed(&here), &by_seed(&there)) else { continue };
+            let mut row = vec![point.name.clone()];
+            row.extend(point_cells(&manifest.vary, &point.choice));
+            row.extend([manifest.points[of].name.clone(), column.clone()]);
+            row.extend(paired_cells(&paired));
+            rows.push(&row);
+        }
+    }
+    rows.finish()
+}
+
+fn paired_cells(Paired { stats: s, lower, higher, .. }: &Paired) -> Vec<String> {
+    let optional = |value: Option<f64>| value.map(|v| v.to_string()).unwrap_or_default();
+    let numbers = [Some(s.mean), s.sd, s.half_width, Some(s.min), Some(s.max)].map(optional);
+    let counts = [lower, higher].map(ToString::to_string);
+    [s.n.to_string()].into_iter().chain(numbers).chain(counts).collect()
+}
+
+/// A number of a flown run.
+fn number(values: &Values, column: &str) -> Option<f64> {
+    match values.get(column) {
+        Some(value) => value.as_f64(),
+        None => column.starts_with(COUNTS).then_some(0.0),
+    }
 }
 
 /// One cell per varied key.
@@ -141,6 +193,24 @@ mod tests {
         assert_eq!(&rows[3][column("all_identified_s")], "");
         assert_eq!(&rows[3][column("all_identified_restricted_s")], "300.0");
         assert!(!header.iter().any(|c| c.contains("wall") || c.contains("timing")));
+    }
+
+    #[test]
+    fn pairs_have_only_seeds_that_both_have() {
+        let results = made_up(&["a=1,2,3"], "1..4");
+        let reference = Reference::new(&results.manifest).unwrap().unwrap();
+        let (header, rows) = read(&pairs_csv(&results, &reference));
+        assert_eq!(
+            header.iter().take(5).collect::<Vec<_>>(),
+            ["point", "a", "against", "metric", "n"]
+        );
+        let row = |value: &str| {
+            rows.iter().find(|r| &r[1] == value && &r[3] == "unexplored_pct").unwrap().clone()
+        };
+        // Seed 3 failed at the first value; seed 2 is missing at the third.
+        assert_eq!((&row("2")[4], &row("3")[4]), ("3", "2"));
+        assert_eq!((&row("2")[10], &row("2")[11]), ("3", "0"));
+        assert!(rows.iter().all(|r| &r[1] != "1"));
     }
 
     #[test]

@@ -125,13 +125,18 @@ impl Choice {
         }
     }
 
-    fn same_as(&self, other: &Self) -> bool {
+    /// Whether it is the same value, whatever it is called.
+    pub fn is_same_value(&self, other: &Self) -> bool {
         let plain =
             |text: &str| value(text).unwrap_or_else(|| toml::Value::String(text.to_owned()));
         let same_text = |(a, b): (&String, &String)| plain(a) == plain(b);
         let same_number = self.number().is_some() && self.number() == other.number();
+        same_number || self.texts.iter().zip(&other.texts).all(same_text)
+    }
+
+    fn same_as(&self, other: &Self) -> bool {
         let same_label = self.label.is_some() && self.label == other.label;
-        same_number || same_label || self.texts.iter().zip(&other.texts).all(same_text)
+        same_label || self.is_same_value(other)
     }
 }
 

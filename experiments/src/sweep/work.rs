@@ -8,8 +8,17 @@ use super::fly::{Hangar, THREAD, catch_panics};
 use super::plan::Run;
 use super::record::RunRecord;
 
-/// Flies `runs` in order, `jobs` at a time, and calls `done` for each that has ended, in the order in
-/// which they end; `false` from it stops all missions after their current step.
+/// What becomes of a run.
+#[derive(Debug, Clone, Copy)]
+pub enum Event<'a> {
+    /// It takes off.
+    Started(&'a Run),
+    /// It has ended, with a result.
+    Ended(&'a Run, &'a RunRecord),
+}
+
+/// Flies `runs` in order, `jobs` at a time, and tells `watch` what becomes of each, as it happens; `false`
+/// from it stops all missions after their current step.
 ///
 /// # Errors
 /// When a run's file cannot be written or the threads do not start.
@@ -17,7 +26,7 @@ pub fn work(
     hangar: &Hangar<'_>,
     runs: &[Run],
     jobs: usize,
-    mut done: impl FnMut(&Run, &RunRecord) -> bool,
+    mut watch: impl FnMut(Event<'_>) -> bool,
 ) -> Result<(), SweepError> {
     catch_panics();
     let jobs = jobs.clamp(1, runs.len().max(1));
@@ -33,8 +42,10 @@ pub fn work(
             let flight = move || {
                 while !hangar.stop.load(Ordering::SeqCst) {
                     let Some(run) = runs.get(next.fetch_add(1, Ordering::SeqCst)) else { break };
+                    let told = sender.send((run, None));
                     let result = hangar.fly(run).transpose();
-                    if result.is_some_and(|result| sender.send((run, result)).is_err()) {
+                    let lost = result.is_some_and(|r| sender.send((run, Some(r))).is_err());
+                    if told.is_err() || lost {
                         break;
                     }
                 }
@@ -45,8 +56,9 @@ pub fn work(
         let mut first_error = None;
         for (run, result) in receiver {
             let goes_on = match result {
-                Ok(record) => done(run, &record),
-                Err(error) => {
+                None => watch(Event::Started(run)),
+                Some(Ok(record)) => watch(Event::Ended(run, &record)),
+                Some(Err(error)) => {
                     first_error.get_or_insert(error);
                     false
                 }

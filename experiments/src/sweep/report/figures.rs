@@ -1,15 +1,14 @@
 //! From results to plots: the first varied key along the axis, the second as series, the rest as
 //! plots of their own.
 
-use super::Metric;
 use crate::report::axis::XAxis;
 use crate::report::chart::{Chart, Dot, Line, Mark};
-use crate::sweep::plan::Point;
+use crate::sweep::metric::Metric;
 use crate::sweep::results::{RESTRICTED, Results, metric};
 use crate::sweep::stats::Stats;
 
 /// The most groups of plots; beyond that, the tables say it.
-const MAX_FACETS: usize = 12;
+pub const MAX_FACETS: usize = 12;
 
 /// Plots that have all but the first two keys in common.
 #[derive(Debug, Clone)]
@@ -24,7 +23,7 @@ pub struct Facet {
 pub fn facets(results: &Results) -> Option<Vec<Facet>> {
     let axes = &results.manifest.vary;
     let mut facets: Vec<Facet> = Vec::new();
-    for point in results.manifest.points.iter().filter(|p| !p.is_baseline()) {
+    for point in results.manifest.points.iter().filter(|p| !p.is_baseline) {
         let rest: Vec<Option<usize>> = point.choice.iter().skip(2).copied().collect();
         if facets.iter().all(|facet| facet.rest != rest) {
             let name =
@@ -50,12 +49,12 @@ pub fn chart<'a>(results: &Results, facet: &Facet, what: &Metric, x: &'a XAxis) 
         });
         let mut line = Line { name, ..Line::default() };
         for i in 0..x.at.len() {
-            let mut choice: Vec<Option<usize>> = [Some(i), Some(s)].to_vec();
-            choice.truncate(axes.len());
-            choice.extend(&facet.rest);
-            let point = index_of(results, &choice);
+            let choice = choice_at(results, facet, i, s);
+            let point = results.manifest.combination(&choice);
             line.marks.push(point.map(|p| mark(results, p, what.key)).unwrap_or_default());
-            let reference = reference(results, &choice).filter(|_| has_references(results));
+            // A reference makes sense where links vary or the user asked for it.
+            let reference =
+                results.manifest.perfect_like(&choice).filter(|_| results.manifest.baseline);
             line.references.push(reference.and_then(|p| mark(results, p, what.key).stats()));
         }
         line
@@ -64,29 +63,21 @@ pub fn chart<'a>(results: &Results, facet: &Facet, what: &Metric, x: &'a XAxis) 
     Chart { title: what.title.to_owned(), unit: what.unit, x, top: what.top, lines }
 }
 
-/// A reference makes sense where links vary or the user asked for it.
-fn has_references(results: &Results) -> bool {
-    let manifest = &results.manifest;
-    manifest.baseline
+/// The choice at a value of the first key and one of the second, where there are so many.
+fn choice_at(results: &Results, facet: &Facet, first: usize, second: usize) -> Vec<Option<usize>> {
+    let mut choice: Vec<Option<usize>> = [Some(first), Some(second)].to_vec();
+    choice.truncate(results.manifest.vary.len());
+    choice.extend(&facet.rest);
+    choice
+}
+
+/// The point there, if the sweep has it.
+pub fn point_at(results: &Results, facet: &Facet, first: usize, second: usize) -> Option<usize> {
+    results.manifest.combination(&choice_at(results, facet, first, second))
 }
 
 fn last_key(keys: &[String]) -> String {
     keys.iter().map(|k| k.rsplit('.').next().unwrap_or(k)).collect::<Vec<_>>().join(", ")
-}
-
-fn index_of(results: &Results, choice: &[Option<usize>]) -> Option<usize> {
-    let points = &results.manifest.points;
-    points.iter().position(|p| p.choice == choice && !p.is_baseline())
-}
-
-/// The point with perfect links that has all else in common with a choice.
-fn reference(results: &Results, choice: &[Option<usize>]) -> Option<usize> {
-    let axes = &results.manifest.vary;
-    let same = |point: &Point| {
-        let pairs = point.choice.iter().zip(choice).zip(axes);
-        point.perfect && pairs.into_iter().all(|((a, b), axis)| axis.is_netem() || a == b)
-    };
-    results.manifest.points.iter().position(same)
 }
 
 fn mark(results: &Results, point: usize, key: &str) -> Mark {

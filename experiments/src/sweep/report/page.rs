@@ -2,11 +2,12 @@
 
 use std::fmt::Write;
 
-use super::{METRICS, figures};
+use super::{figures, pairs};
 use crate::report::axis::short;
 use crate::report::page;
 use crate::report::shapes::escaped;
 use crate::sweep::manifest::Manifest;
+use crate::sweep::metric::METRICS;
 use crate::sweep::results::{Counts, Results};
 
 /// The most failed or missing runs that are listed one by one.
@@ -19,6 +20,7 @@ pub fn html(results: &Results) -> String {
         + &alarms(results)
         + &plots(results)
         + &table(results)
+        + &pairs::section(results)
         + &scenario(manifest);
     page::document(&format!("Sweep of {}", manifest.scenario), &body)
 }
@@ -36,10 +38,15 @@ pub fn scenario(manifest: &Manifest) -> String {
 pub fn head(results: &Results, again: &str) -> String {
     let manifest = &results.manifest;
     let Counts { runs, flown, failed, missing, violated } = results.counts();
-    let revision = match (&manifest.git_revision, manifest.git_dirty) {
-        (Some(revision), Some(true)) => format!("{revision}, with changes that were not committed"),
-        (Some(revision), _) => revision.clone(),
-        (None, _) => "unknown".to_owned(),
+    let builds = results.builds();
+    let build = match builds.len() {
+        0 => escaped(&manifest.build.to_string()),
+        1 => builds.keys().map(|build| escaped(&build.to_string())).collect(),
+        _ => {
+            let lines =
+                builds.iter().map(|(b, n)| format!("{}: {n} runs", escaped(&b.to_string())));
+            format!("<strong>mixed</strong><br/>{}", lines.collect::<Vec<_>>().join("<br/>"))
+        }
     };
     let varied = manifest.vary.iter().map(|axis| {
         let values: Vec<String> = axis.values.iter().map(|v| v.shown()).collect();
@@ -54,7 +61,7 @@ pub fn head(results: &Results, again: &str) -> String {
         ("varied", if varied.is_empty() { "nothing".to_owned() } else { varied.join("<br/>") }),
         ("seeds", escaped(&manifest.seeds)),
         ("runs", format!("{runs}: {flown} flown ({of_flown}), {failed} failed, {missing} missing")),
-        ("csat", format!("{}, revision {}", escaped(&manifest.version), escaped(&revision))),
+        ("csat", build),
         ("again", format!("<code>{}</code>", escaped(again))),
     ];
     page::definitions(&rows)
@@ -104,7 +111,7 @@ fn plots(results: &Results) -> String {
     let x = figures::x_axis(results);
     let mut page = String::from(
         "<h2>Plots</h2>\n<p>Large marks: means, with 95 % confidence intervals of the mean by \
-         Student's t (cut at the frame). Small dots: runs, whose seeds show under the pointer. \
+         Student's t (cut where the quantity ends, at 0 or 100 %). Small dots: runs, whose seeds show under the pointer. \
          \u{201c}k of n\u{201d} above a plot: only k of n runs have a value there.</p>\n",
     );
     for facet in &facets {
@@ -113,7 +120,8 @@ fn plots(results: &Results) -> String {
         }
         page += &page::figures(METRICS.iter().filter_map(|metric| {
             let chart = figures::chart(results, facet, metric, &x);
-            (!chart.is_empty()).then(|| page::figure(&chart.svg(), metric.note))
+            let note = format!("{}{}", metric.note, chart.note());
+            (!chart.is_empty()).then(|| page::figure(&chart.svg(), &note))
         }));
     }
     page
@@ -130,7 +138,7 @@ fn table(results: &Results) -> String {
     for axis in &manifest.vary {
         let _ = write!(page, "<th class=\"left\">{}</th>", escaped(&axis.title()));
     }
-    if manifest.vary.is_empty() || manifest.points.iter().any(|p| p.is_baseline()) {
+    if manifest.vary.is_empty() || manifest.points.iter().any(|p| p.is_baseline) {
         page += "<th class=\"left\">links</th>";
     }
     page += "<th>runs</th>";
@@ -142,7 +150,7 @@ fn table(results: &Results) -> String {
             let shown = point.shown(&manifest.vary, axis);
             let _ = write!(page, "<td class=\"left\">{}</td>", escaped(&shown));
         }
-        if manifest.vary.is_empty() || manifest.points.iter().any(|p| p.is_baseline()) {
+        if manifest.vary.is_empty() || manifest.points.iter().any(|p| p.is_baseline) {
             page += if point.perfect {
                 "<td class=\"left\">perfect</td>"
             } else {
@@ -175,7 +183,7 @@ fn cell(results: &Results, point: usize, key: &str, flown: usize) -> String {
 }
 
 /// With three or four digits that mean something.
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return short(value);
     }

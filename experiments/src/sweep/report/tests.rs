@@ -1,8 +1,9 @@
 use std::path::Path;
 
-use super::{METRICS, figures, html};
+use super::{figures, html};
 use crate::report::axis::XAxis;
 use crate::report::chart::Chart;
+use crate::sweep::metric::METRICS;
 use crate::sweep::results::tests::made_up;
 
 const PLOT_STYLE: &str = include_str!("../../report/plot.css");
@@ -64,7 +65,49 @@ fn pages_stand_alone_for_any_number_of_keys() {
         let page = html(&made_up(vary, "1..3"));
         sound(&page);
         assert!(page.contains("<h2>Points</h2>"));
+        assert_eq!(page.contains("<h2>Differences within a seed</h2>"), !vary.is_empty());
     }
+}
+
+/// Seeds 1, 2 and 4 were flown at both values; by hand from what `made_up` makes up.
+#[test]
+fn differences_within_a_seed_are_told_with_their_interval_and_count() {
+    let results = made_up(&["a=1,2"], "1..4");
+    let page = html(&results);
+    let start = page.find("Differences within a seed").unwrap();
+    let section = &page[start..];
+    assert!(section.contains("at a=1: what differs"), "{section}");
+    let noise = |number: f64, seed: f64| 2.0 * (seed * 2.7 + number).sin();
+    let differences = [(0.0, 1.0), (1.0, 2.0), (3.0, 4.0)]
+        .map(|(number, seed)| noise(number + 4.0, seed) - noise(number, seed) - 4.0);
+    let expected = crate::sweep::stats::stats(&differences).unwrap();
+    let [mean, reach] = [expected.mean, expected.half_width.unwrap()].map(super::page::significant);
+    assert!(section.contains(&format!("{mean} ± {reach}")), "{mean} ± {reach} in {section}");
+    let lower = differences.iter().filter(|d| **d < 0.0).count();
+    assert!(section.contains(&format!("{lower} better, {} worse", 3 - lower)), "{section}");
+    // A line for each seed, and one in the legend.
+    let first = &section[section.find("<svg").unwrap()..section.find("</svg>").unwrap()];
+    assert_eq!(first.matches("class=\"seed\"").count(), 4, "{first}");
+    assert!(first.contains("Unexplored ground") && first.contains("a=1 (dashed)"));
+}
+
+/// With two seeds Student's t is 12.7: a band would cover all else.
+#[test]
+fn intervals_too_wide_to_draw_are_not_drawn_and_that_is_said() {
+    let drawn = |seeds| {
+        let page = html(&made_up(&["a=1,2,3"], seeds));
+        let has = |what: &str| page.contains(what);
+        let shapes = has("class=\"whisker\"") || has("class=\"band\"");
+        (
+            shapes,
+            has("Where n = 1 there is no interval."),
+            has("Where n = 2 the interval is too wide"),
+        )
+    };
+    assert_eq!(drawn("5"), (false, true, false));
+    assert_eq!(drawn("5..6").0, false);
+    assert_eq!(drawn("5..6").2, true);
+    assert_eq!(drawn("5..12"), (true, false, false));
 }
 
 #[test]
@@ -106,6 +149,17 @@ fn plots_are_drawn() {
         ("words", picture(&[loss, "exchange.mode=facts,snapshot"], 2)),
         ("none", picture(&[], 8)),
     ];
+    if let Some(folder) = std::env::var_os("CSAT_PICTURES") {
+        let folder = Path::new(&folder);
+        for (name, vary, seeds) in [
+            ("pairs", &["agents.count=2,4,8", "exchange.mode=facts,snapshot"][..], "1..9"),
+            ("links", &[range][..], "1..12"),
+            ("two-seeds", &[range][..], "5..6"),
+        ] {
+            std::fs::write(folder.join(format!("{name}.html")), html(&made_up(vary, seeds)))
+                .unwrap();
+        }
+    }
     for (name, svg) in pictures {
         assert_eq!(complaint(&svg), None, "{name}");
         assert!(svg.contains("class=\"mark\""), "{name}");
