@@ -34,6 +34,7 @@ Examples:
   csat echo view/0/targets                  what a UAV says it knows
   csat doctor                               why nothing is heard
   csat run --record && csat replay runs/city-seed1 --speed 10
+  csat compare runs/city-seed1 runs/city-seed2
   csat plot runs/city-seed1                 draw the pictures of a run again
 
 Exit codes:
@@ -58,6 +59,8 @@ pub enum Command {
     Sweep(SweepArguments),
     /// Make the published tables and figures again, ours beside theirs
     Reproduce(ReproduceArguments),
+    /// Put two runs, two sweeps or two reproductions side by side
+    Compare(CompareArguments),
     /// Report every mistake of a scenario at once; flies nothing
     Check(ScenarioArguments),
     /// Play a recording again for whoever listens on Zenoh, at its own pace or another
@@ -185,6 +188,18 @@ pub struct SweepArguments {
     #[arg(long, value_name = "DIR", num_args = 1..)]
     pub merge: Vec<PathBuf>,
     /// Print what became of the runs as JSON on stdout, and nothing else
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What to compare.
+#[derive(Debug, Clone, Args)]
+pub struct CompareArguments {
+    /// The folder of a run, of a sweep or of a reproduction
+    pub a: PathBuf,
+    /// Another one of the same kind; differences are those of B less A
+    pub b: PathBuf,
+    /// Print all numbers as JSON on stdout, and nothing else there
     #[arg(long)]
     pub json: bool,
 }

@@ -15,6 +15,7 @@
 //! | [`series`] | those over time, averaged over agents and over the second half |
 //! | [`summary`] | a mission in numbers |
 //! | [`sweep`] | every combination with every seed, and the report |
+//! | [`compare`] | two runs, sweeps or reproductions side by side |
 //! | [`reproduce`] | the published tables and figures, ours beside theirs |
 //! | [`published`] | the published numbers |
 //! | [`report`] | pages with plots that need nothing but themselves |
@@ -34,6 +35,7 @@
 //! | [`timing`], [`stages`] | the only clock |
 
 pub mod cli;
+pub mod compare;
 pub mod engine;
 pub mod fleet;
 pub mod logs;

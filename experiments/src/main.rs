@@ -19,6 +19,7 @@ fn main() -> ExitCode {
         Command::Agent(arguments) => commands::agent(arguments, &logs),
         Command::Check(arguments) => commands::check(arguments),
         Command::Sweep(arguments) => commands::sweep(arguments),
+        Command::Compare(arguments) => commands::compare(arguments),
         Command::Reproduce(arguments) => commands::reproduce(arguments),
         Command::Replay(arguments) => commands::replay(arguments),
         Command::Watch(arguments) => commands::watch(arguments),

@@ -70,6 +70,8 @@ fn chapter5_makes_its_tables_and_figures_and_resumes() {
     assert_eq!(text(&output.stderr).lines().count(), 1, "{}", text(&output.stderr));
     assert_eq!(timeless(&read(&out.join("tables.txt"))), timeless(&tables));
     assert!(out.join("report.html").exists());
+    let same = text(&csat(base.path(), &["compare", "out", "out"]).stdout);
+    assert!(same.contains("digests: 10 equal of 10 runs in common"), "{same}");
     let other = reproduce(base.path(), &small("table1", &["--resume", "--out", "out"]));
     assert_eq!(other.status.code(), Some(2));
     assert!(text(&other.stderr).contains("holds another sweep"));
@@ -104,6 +106,15 @@ fn chapter4_needs_no_missions() {
     let before = read(&out.join("report.html"));
     done(base.path(), &[&few[..], &["--out", "out", "--resume"]].concat());
     assert_eq!(read(&out.join("report.html")), before);
+    let more = ["chapter4", "--seeds", "3..4", "--jobs", "1", "--out", "other"];
+    done(base.path(), &more);
+    let compared = text(&csat(base.path(), &["compare", "out", "other"]).stdout);
+    assert!(
+        compared.starts_with("a: out\nb: other\n") && compared.contains("  b - a\n"),
+        "{compared}"
+    );
+    let same = text(&csat(base.path(), &["compare", "out", "out"]).stdout);
+    assert!(same.contains(": all numbers are equal\n") && !same.contains("b - a"), "{same}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! What the commands of `csat` do, with their exit codes.
 
+mod compare;
 mod fleet;
 mod flight;
 mod replay;
@@ -29,6 +30,7 @@ use csat_experiments::show::recording::Recording;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED, verdict};
 use csat_experiments::words::counted;
 
+pub use compare::compare;
 pub use fleet::{agent, spawn, world};
 pub use replay::replay;
 pub use reproduce::reproduce;
