@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::plot::Whose;
 use crate::process::arguments::{AgentArguments, WorldArguments, speed};
 use crate::process::spawn::SpawnArguments;
 use crate::scenario::shipped;
@@ -75,6 +76,10 @@ pub enum Command {
     Plot {
         /// The run folder
         dir: PathBuf,
+        /// Draw what agent N knew at the end as map-agent-N.svg instead, or with `all` every agent as
+        /// map-agents.svg; map.svg shows agent 0
+        #[arg(long, value_name = "N|all")]
+        agent: Option<Whose>,
     },
 }
 

@@ -25,7 +25,7 @@ fn main() -> ExitCode {
         Command::Watch(arguments) => commands::watch(arguments),
         Command::Echo(arguments) => commands::echo(arguments),
         Command::Doctor(arguments) => commands::doctor(arguments),
-        Command::Plot { dir } => commands::plot(dir),
+        Command::Plot { dir, agent } => commands::plot(dir, *agent),
     };
     match result {
         Ok(code) => ExitCode::from(code),

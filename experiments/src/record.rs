@@ -190,7 +190,7 @@ impl Recorder {
         events.finish()?;
         folder.write("links.csv", &links_csv(&outcome.links)?)?;
         folder.write("view.json", &(serde_json::to_string(&outcome.view)? + "\n"))?;
-        folder.write("map.svg", &plot::map_svg(&outcome.view))?;
+        folder.write("map.svg", &plot::map_svg(&outcome.view, 0))?;
         folder.write("metrics.svg", &plot::metrics_svg(&summary, &series)?)?;
         // Last: a folder with a summary is a whole one.
         folder.write("summary.json", &summary.to_json())?;

@@ -138,6 +138,19 @@ impl View {
     }
 }
 
+/// Area of shapes, m²: outer rings without their holes.
+pub fn area_m2(shapes: &Shapes) -> f64 {
+    let ring_m2 = |ring: &Ring| {
+        let next = ring.iter().cycle().skip(1);
+        ring.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().abs() / 2.0
+    };
+    let shape_m2 = |shape: &Vec<Ring>| match shape.split_first() {
+        Some((outer, holes)) => ring_m2(outer) - holes.iter().map(ring_m2).sum::<f64>(),
+        None => 0.0,
+    };
+    shapes.iter().map(shape_m2).sum()
+}
+
 /// A length to the nearest millimetre.
 pub fn to_millimetre(metres: f64) -> f64 {
     (metres * 1e3).round() / 1e3

@@ -51,5 +51,26 @@ fn check_works_from_any_folder() {
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         assert!(said.starts_with(&format!("{scenario}: no mistakes")), "{said}");
         assert!(said.contains("4 UAVs, 8 targets"), "{said}");
+        let count = said.lines().nth(1).map(|line| line.split(' ').next().unwrap());
+        assert_eq!(count, (scenario != "city").then_some("features:"), "{said}");
     }
+}
+
+/// The check of a map ends with what became of each feature, and the numbers add up.
+#[test]
+fn check_accounts_for_every_feature_of_a_map() {
+    let folder = scratch();
+    let output = csat(folder.path(), &["check", "helsinki-17"]);
+    let said = text(&output.stdout);
+    let lines: Vec<&str> = said.lines().collect();
+    assert!(lines[1].starts_with("features: 162 = "), "{said}");
+    let numbers = |line: &str| -> Vec<usize> {
+        line.split(' ').filter_map(|word| word.parse().ok()).collect()
+    };
+    let [features, buildings, parts, roads, left_out] = numbers(lines[1])[..] else {
+        panic!("{said}")
+    };
+    assert_eq!(features, buildings + parts + roads + left_out, "{said}");
+    let reasons: usize = lines[2..].iter().map(|line| numbers(line)[0]).sum();
+    assert_eq!(reasons, left_out, "{said}");
 }

@@ -18,13 +18,24 @@ fn write_bad_files(folder: &Path) {
     };
     let projected = "{\"type\": \"Polygon\", \"coordinates\": [[[385000, 6671000], [385010, \
                      6671000], [385010, 6671010], [385000, 6671000]]]}";
+    // One line with a fault far from its ends.
+    let long = building(projected).replacen("way/7\",", &format!("{}\"", "7".repeat(5000)), 1);
+    let degrees =
+        "{\"type\": \"Polygon\", \"coordinates\": [[[24, 60], [25, 60], [25, 61], [24, 60]]]}";
+    let plain = building(degrees).replace("\"building\": \"yes\"", "");
+    let name =
+        "\"crs\": {\"type\": \"name\", \"properties\": {\"name\": \"EPSG:3067\"}}, \"features\"";
+    let crs = building(projected).replacen("\"features\"", name, 1);
     let files = [
         ("syntax.toml", "seed = = 1\n".to_owned()),
         ("unknown.toml", "[agents]\nspeed = 3\n".to_owned()),
         ("type.toml", "seed = 'one'\n".to_owned()),
         ("both.toml", "[map]\nkind = 'generated'\nfile = 'empty.geojson'\n".to_owned()),
         ("cut.geojson", "{\"type\": ".to_owned()),
-        ("feature.geojson", "{\"type\": \"Feature\"}".to_owned()),
+        ("topology.geojson", "{\"type\": \"Topology\"}".to_owned()),
+        ("long.geojson", long),
+        ("plain.geojson", plain),
+        ("crs.geojson", crs),
         ("projected.geojson", building(projected)),
         ("typo.geojson", building("{\"type\": \"Polygone\", \"coordinates\": []}")),
         ("center.geojson", collection("\"center\": \"Helsinki\", \"features\": []")),
@@ -57,9 +68,19 @@ const MISTAKES: &[(&[&str], &str, &str)] = &[
     (&["--set", "map.built_share=0.9"], "map.built_share: got 0.9", "expected at most"),
     (&["--set", "map.file=no.geojson"], "there is no map `no.geojson`", "--> --set"),
     (&["--set", "map.file=folder"], "cannot read the map `folder`", "a GeoJSON file"),
-    (&["--set", "map.file=cut.geojson"], "cut.geojson: not JSON: ", "line 1 column"),
-    (&["--set", "map.file=feature.geojson"], "feature.geojson: got a Feature", "Collection"),
-    (&["--set", "map.file=projected.geojson"], "projected.geojson: feature 0 (way/7)", "degrees"),
+    (
+        &["--set", "map.file=cut.geojson"],
+        "the map cut.geojson is not JSON: EOF",
+        "--> cut.geojson:1:9",
+    ),
+    (&["--set", "map.file=long.geojson"], "the map long.geojson is not JSON: ", "long.geojson:1:5"),
+    (&["--set", "map.file=topology.geojson"], "topology.geojson: got a Topology", "Collection"),
+    (&["--set", "map.file=projected.geojson"], "projected.geojson: 1 feature(s) have", "degrees"),
+    (&["--set", "map.file=crs.geojson"], "crs.geojson: crs: the file is in EPSG:3067", "ogr2ogr"),
+    (&["--set", "map.file=plain.geojson"], "1 polygon(s) without a `building` tag", "map.untagged"),
+    (&["--set", "map.untagged=ignore"], "`map.untagged` cannot be set with kind", "\"geojson\""),
+    (&["--set", "map.untagged=houses"], "`map.untagged`", "`ignore`"),
+    (&["cut.geojson"], "`cut.geojson` is JSON", "`--set map.file=cut.geojson`"),
     (&["--set", "map.file=typo.geojson"], "typo.geojson: feature 0 (way/7)", "RFC 7946"),
     (&["--set", "map.file=center.geojson"], "center.geojson: center: got \"Helsinki\"", "degrees"),
     (
@@ -92,6 +113,7 @@ fn every_class_of_mistake_is_exit_code_2_and_says_where() {
             assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
             assert_eq!(text(&output.stdout), "", "{arguments:?}");
             assert!(said.starts_with("error: "), "{arguments:?}: {said}");
+            assert!(said.lines().all(|line| line.chars().count() < 600), "{arguments:?}: {said}");
             assert!(said.contains(what) && said.contains(place), "{arguments:?}: {said}");
             // Nobody expects a check to run anything.
             let is_flight = command == "run";

@@ -193,6 +193,38 @@ fn the_pictures_of_a_run_can_be_drawn_again() {
 }
 
 #[test]
+fn what_another_agent_knows_can_be_drawn() {
+    let base = scratch();
+    small_run(base.path(), &["--out", "out"]);
+    let folder = base.path().join("out");
+    for (agent, name) in [("1", "map-agent-1.svg"), ("all", "map-agents.svg")] {
+        let output = csat(base.path(), &["plot", "out", "--agent", agent]);
+        assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), String::new()));
+        assert_eq!(text(&output.stdout), format!("out/{name}\n"));
+        assert!(read(&folder.join(name)).contains("agent 1"));
+    }
+    let before = names(&folder);
+    for (agent, expected) in [
+        ("9", "error: --agent: got 9, expected `all` or an agent from 0 to 1"),
+        (
+            "x",
+            "error: invalid value 'x' for '--agent <N|all>': expected the index of an agent, or all",
+        ),
+        ("-1", "error: "),
+    ] {
+        let output = csat(base.path(), &["plot", "out", "--agent", agent]);
+        let said = text(&output.stderr);
+        assert_eq!(
+            (output.status.code(), text(&output.stdout)),
+            (Some(2), String::new()),
+            "{said}"
+        );
+        assert!(said.starts_with(expected), "{said}");
+    }
+    assert_eq!(names(&folder), before);
+}
+
+#[test]
 fn plot_says_what_is_wrong_with_a_folder() {
     let base = scratch();
     small_run(base.path(), &["--out", "out"]);

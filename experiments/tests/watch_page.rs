@@ -6,12 +6,13 @@
 #[path = "common/browser.rs"]
 mod browser;
 mod common;
+#[path = "watch_page/controls.rs"]
+mod controls;
 #[path = "common/flight.rs"]
 mod flight;
+#[path = "common/watched.rs"]
+mod watched;
 
-use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -19,80 +20,7 @@ use browser::Browser;
 use csat_experiments::watch::feed::{Document, Hub};
 use csat_experiments::watch::server::{self, Source};
 use serde_json::json;
-
-/// A small town in which everything happens within 12 s: losses, a crash and a restart.
-const SMALL: &[&str] = &[
-    "run.duration_s=12",
-    "map.size_m=[200, 200]",
-    "camera.columns=96",
-    "camera.rows=72",
-    "camera.min_pixels=1",
-    "targets.count=4",
-    "agents.count=3",
-    "netem.radio.range_m=60",
-    "netem.partition=[]",
-    "netem.outage=[{agent=2, from_s=8, until_s=10, kind=\"crash\"}]",
-];
-
-fn browser() -> Option<Browser> {
-    let browser = Browser::start();
-    if browser.is_none() {
-        common::skipped("no chromium is installed, so nobody looked at the page");
-    }
-    browser
-}
-
-fn shot(browser: &mut Browser, name: &str) {
-    if let Some(folder) = std::env::var_os("CSAT_WATCH_SHOTS") {
-        browser.screenshot(&PathBuf::from(folder).join(format!("watch-{name}.png")));
-    }
-}
-
-/// A process that ends with its test.
-struct Watching(Child);
-
-impl Drop for Watching {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// `csat watch` of the recording in a folder, and the address that it said.
-fn watch(folder: &Path) -> (Watching, String) {
-    watch_with(folder, &["."])
-}
-
-fn watch_with(folder: &Path, arguments: &[&str]) -> (Watching, String) {
-    let arguments = [&["watch", "--port", "0"], arguments].concat();
-    let mut command = common::command(folder, &arguments);
-    let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
-    let mut line = String::new();
-    BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
-    (Watching(child), line.trim_end().to_owned())
-}
-
-/// Whether two pictures of the map differ by a little and by nothing.
-const HASH: &str = "(id) => { const c = document.getElementById(id); const d = \
-    c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let h = 0; \
-    for (let i = 0; i < d.length; i += 7) h = (h * 31 + d[i]) | 0; return h; }";
-
-fn picture(browser: &mut Browser, canvas: &str) -> i64 {
-    browser.value("new Promise((r) => requestAnimationFrame(() => requestAnimationFrame(r)))");
-    browser.value(&format!("({HASH})('{canvas}')")).as_i64().unwrap()
-}
-
-fn text(browser: &mut Browser, id: &str) -> String {
-    browser
-        .value(&format!("document.getElementById('{id}').textContent"))
-        .as_str()
-        .unwrap()
-        .to_owned()
-}
-
-fn record_small(folder: &Path) {
-    flight::record(folder, "city-storm", SMALL);
-}
+use watched::{HASH, SMALL, browser, picture, record_small, shot, text, watch, watch_with};
 
 #[test]
 fn a_recording_plays_in_a_browser() {
@@ -211,6 +139,19 @@ fn a_fleet_that_flies_shows_and_a_page_comes_back() {
     browser.wait_for("document.getElementById('time').textContent === '12.0 of 12 s'");
     assert_eq!(browser.value("state.metrics.length"), 25);
 
+    // A mission that is over is not quiet: it says so, also to who comes later or paused it.
+    hub.end(true);
+    let ended = "document.getElementById('connection').textContent === 'the mission ended'";
+    browser.wait_for(ended);
+    shot(&mut browser, "ended");
+    browser.click("#play");
+    browser.wait_for(ended);
+    browser.click("#play");
+    browser.open(&address);
+    browser.wait_for(ended);
+    hub.end(false);
+    browser.wait_for("document.getElementById('connection').textContent === 'live'");
+
     // A violation is loud, whatever else shows.
     assert_eq!(browser.value("document.getElementById('alarm').hidden"), true);
     let body = json!({"time_s": 12.5, "violations": 2, "alive": [true, true, true]}).to_string();
@@ -227,6 +168,11 @@ fn a_fleet_that_flies_shows_and_a_page_comes_back() {
     hub.publish(start.iter().filter(|d| d.time_s < 1.0).cloned());
     browser.wait_for("document.getElementById('time').textContent === '0.5 of 12 s'");
     assert_eq!(browser.value("document.getElementById('alarm').hidden"), true);
+    // This one ends before its time.
+    hub.end(true);
+    browser.wait_for(
+        "document.getElementById('connection').textContent === 'the mission ended early'",
+    );
     assert_eq!(browser.complaints, Vec::<String>::new());
 
     drop(runtime);
@@ -319,9 +265,12 @@ fn a_fleet_of_processes_shows_itself() {
     browser.wait_for("document.getElementById('title').textContent === 'city · seed 3'");
     let before = picture(&mut browser, "fleet");
     browser.wait_for(&format!("({HASH})('fleet') !== {before}"));
-    assert_eq!(browser.complaints, Vec::<String>::new());
     common::fleet::signal(fleet.id(), "-INT");
     assert_eq!(common::fleet::end(fleet).status.code(), Some(130));
+    browser.wait_for(
+        "document.getElementById('connection').textContent === 'the mission ended early'",
+    );
+    assert_eq!(browser.complaints, Vec::<String>::new());
 }
 
 /// The pictures of running fleets in the documentation.

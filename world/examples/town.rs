@@ -1,7 +1,7 @@
 //! A generator of towns that csat does not have, as docs/extending.md explains it: one long street.
 
 use csat_proto::model::Ground;
-use csat_world::map::{Map, MapConfig, MapRules};
+use csat_world::map::{FeatureCount, Map, MapConfig, MapRules};
 use csat_world::obstacle::Obstacle;
 use csat_world::world::{World, WorldConfig, WorldErrors};
 use geo::{LineString, Polygon};
@@ -27,6 +27,7 @@ pub fn street(config: &MapConfig, rules: &MapRules) -> Map {
         roads: vec![vec![[-width_m / 2.0, 0.0], [width_m / 2.0, 0.0]]],
         centre_deg: None,
         attribution: None,
+        count: FeatureCount::default(),
         warnings: Vec::new(),
     }
 }

@@ -183,7 +183,7 @@ pub fn ageing(recorded: &Recorded) -> String {
             let words = format!("{age_s} s: {:.0} m²", set.region().area_m2());
             all.add(area(panel, &shapes, style)).add(label(x, y + 15.0, 12.0, "#00573F", words))
         });
-        grown.add(layers::cars(panel, &recorded.view))
+        grown.add(layers::cars(panel, &recorded.view, 0))
     });
     let shade = |opacity| Style::fill("#2F7FA8", opacity);
     sheet.key(&[

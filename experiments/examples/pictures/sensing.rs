@@ -79,7 +79,7 @@ pub fn frame(recorded: &Recorded) -> String {
         group("truth")
             .add(layers::ground(panel, &recorded.view))
             .add(layers::buildings(panel, &recorded.view))
-            .add(layers::cars(panel, &recorded.view))
+            .add(layers::cars(panel, &recorded.view, 0))
             .add(looks(panel, recorded))
     });
     let mut key: Vec<(Style, &str)> =
@@ -172,7 +172,7 @@ pub fn sensing(recorded: &Recorded) -> String {
                 TARGET,
             ));
         }
-        all.add(layers::cars(panel, &recorded.view)).add(looks(panel, recorded))
+        all.add(layers::cars(panel, &recorded.view, 0)).add(looks(panel, recorded))
     };
     sheet.window((0, width), "What one frame proves", scene(recorded), draw);
     let (target, place) = nearest_detection(recorded).expect("the viewer sees a car");

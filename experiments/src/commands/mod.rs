@@ -20,7 +20,7 @@ use anyhow::Context;
 use csat_experiments::cli::{RunArguments, ScenarioArguments};
 use csat_experiments::logs::Logs;
 use csat_experiments::mission::{self, Audience, RunOptions};
-use csat_experiments::plot::{self, PlotError};
+use csat_experiments::plot::{self, PlotError, Whose};
 use csat_experiments::record::{Finished, Outcome, RecordError, RecordOptions, Recorder};
 use csat_experiments::run_folder::{Destination, FolderError};
 use csat_experiments::scenario::{self, Loaded, Mistakes, Request};
@@ -68,6 +68,9 @@ pub fn check(arguments: &ScenarioArguments) -> anyhow::Result<u8> {
         counted(loaded.world.obstacles().len(), "building"),
         scenario.run.duration_s
     ))?;
+    if loaded.map.is_some() {
+        say(&format!("{}\n", loaded.world.map().count))?;
+    }
     Ok(DONE)
 }
 
@@ -222,15 +225,19 @@ fn say(text: &str) -> anyhow::Result<()> {
 }
 
 /// `csat plot`.
-pub fn plot(dir: &Path) -> anyhow::Result<u8> {
-    let pictures = match plot::redraw(dir) {
+pub fn plot(dir: &Path, whose: Option<Whose>) -> anyhow::Result<u8> {
+    let drawn = match whose {
+        None => plot::redraw(dir).map(Vec::from),
+        Some(whose) => plot::draw_knowledge(dir, whose).map(|path| vec![path]),
+    };
+    let pictures = match drawn {
         Ok(pictures) => pictures,
-        Err(error @ PlotError::Read { .. }) => {
+        Err(error @ (PlotError::Read { .. } | PlotError::NoAgent { .. })) => {
             eprintln!("error: {error}");
             return Ok(BAD_INPUT);
         }
         Err(error) => return Err(error.into()),
     };
-    say(&pictures.map(|path| format!("{}\n", path.display())).concat())?;
+    say(&pictures.iter().map(|path| format!("{}\n", path.display())).collect::<String>())?;
     Ok(DONE)
 }

@@ -253,11 +253,11 @@ fn arrow([x, y]: [f64; 2], yaw_rad: f64, colour: &str) -> Polygon {
         .set("stroke-width", 1.2)
 }
 
-/// Where the cars are and have been; hollow when agent 0 does not know of them.
-pub fn cars(panel: &Panel, view: &View) -> Group {
+/// Where the cars are and have been; hollow when `agent` does not know of them.
+pub fn cars(panel: &Panel, view: &View, agent: usize) -> Group {
     let known = |target: usize| {
-        let agent = view.agents.first();
-        agent.is_some_and(|a| a.targets.iter().any(|(j, _)| usize::from(*j) == target))
+        let knowledge = view.agents.get(agent);
+        knowledge.is_some_and(|a| a.targets.iter().any(|(j, _)| usize::from(*j) == target))
     };
     view.targets.iter().enumerate().fold(group("cars"), |group, (target, path)| {
         let Some(last) = path.last() else { return group };

@@ -10,8 +10,9 @@ use crate::view::View;
 pub const HEIGHT_PX: f64 = ROW_PX * 10.0;
 const ROW_PX: f64 = 21.0;
 
-/// The legend with its top left corner at (x, y).
-pub fn legend(x: f64, y: f64, view: &View) -> Group {
+/// The legend with its top left corner at (x, y): of a map of what one agent knows, or without the
+/// scale of heights, which is each agent's own, of the maps of all.
+pub fn legend(x: f64, y: f64, view: &View, agent: Option<usize>) -> Group {
     let box_at = |row: f64| {
         Rectangle::new()
             .set("x", round(x))
@@ -48,20 +49,27 @@ pub fn legend(x: f64, y: f64, view: &View) -> Group {
         .set("fill", "#ffffff")
         .set("stroke", colour);
     let track = line(5.0).set("stroke", "#000000").set("stroke-opacity", layers::TRACK_OPACITY);
+    let of = agent.map_or_else(|| "the agent".to_owned(), |agent| format!("agent {agent}"));
+    let cars = format!("cars, known to {of} and not; their tracks");
     let unseen = box_at(9.0).set("fill", "#ffffff").set("stroke", "#4A4A4A");
-    legend
+    legend = legend
         .add(track)
         .add(car(x + 4.0, y + 5.0 * ROW_PX + 9.5, "#000000", "#ffffff"))
         .add(car(x + 17.0, y + 5.0 * ROW_PX + 9.5, "#ffffff", "#000000"))
-        .add(say(5.0, "cars, known to agent 0 and not; their tracks"))
+        .add(say(5.0, &cars))
         .add(line(6.0).set("stroke", colour).set("stroke-width", 1.8))
         .add(start)
         .add(say(6.0, "path of a UAV from its start"))
         .add(
             line(7.0).set("stroke", colour).set("stroke-dasharray", "6 4").set("stroke-width", 1.3),
         )
-        .add(say(7.0, "its footprint now"))
-        .add(heights(x, y + 8.0 * ROW_PX, view))
+        .add(say(7.0, "its footprint now"));
+    let Some(agent) = agent else {
+        let outline = box_at(8.0).set("fill", "none").set("stroke", layers::OEM);
+        return legend.add(outline).add(say(8.0, "building as known (OEM)"));
+    };
+    legend
+        .add(heights(x, y + 8.0 * ROW_PX, view, agent))
         .add(unseen)
         .add(say(9.0, "white in the OEM: not seen yet"))
 }
@@ -77,8 +85,8 @@ fn car(x: f64, y: f64, fill: &str, stroke: &str) -> Rectangle {
 }
 
 /// The colours of the OEM: empty, then bands of height.
-fn heights(x: f64, y: f64, view: &View) -> Group {
-    let oem = view.agents.first().map(|a| &a.oem);
+fn heights(x: f64, y: f64, view: &View, agent: usize) -> Group {
+    let oem = view.agents.get(agent).map(|a| &a.oem);
     let Some(bands) = oem.map(layers::height_bands) else { return group("heights") };
     let square =
         |at: f64| Path::new().set("d", format!("M{:.1} {:.1}h14v13h-14Z", x + at, y + 3.0));

@@ -1,33 +1,39 @@
-//! `map.svg`: the town, the fleet and what agent 0 knows of them at the end.
+//! `map.svg`: the town, the fleet and what one agent knows of them at the end.
 
 use svg::Document;
 use svg::node::element::{ClipPath, Definitions, Group, Polygon, Rectangle};
 
 use super::canvas::{Panel, group, round, text};
-use super::{layers, legend};
+use super::{axes, layers, legend};
 use crate::view::{Knowledge, View};
 
 const MAIN_PX: f64 = 880.0;
 const SIDE_PX: f64 = 330.0;
 const GAP_PX: f64 = 24.0;
+const MAIN_X_PX: f64 = 8.0 + axes::LEFT_PX;
+const SCALE_BAR_PX: f64 = 20.0;
 const HEADER_PX: f64 = 74.0;
 const FOOTER_PX: f64 = 34.0;
 
-/// Draws the end of a mission.
-pub fn map_svg(view: &View) -> String {
+/// The fonts of maps.
+pub(super) const FONT: &str = "Helvetica, Arial, 'DejaVu Sans', sans-serif";
+
+/// Draws the end of a mission, as `agent` knows it.
+pub fn map_svg(view: &View, agent: usize) -> String {
     let margin = margin_m(view);
-    let main = Panel::new(GAP_PX, HEADER_PX, MAIN_PX, view.size_m, margin);
-    let side_x = 2.0 * GAP_PX + MAIN_PX;
+    let main = Panel::new(MAIN_X_PX, HEADER_PX, MAIN_PX, view.size_m, margin);
+    let side_x = MAIN_X_PX + MAIN_PX + GAP_PX;
     let title_px = 24.0;
     let hidden = Panel::new(side_x, HEADER_PX, SIDE_PX, view.size_m, margin);
     let oem_y = hidden.y + hidden.height + GAP_PX + title_px;
     let oem = Panel::new(side_x, oem_y, SIDE_PX, view.size_m, margin);
     let legend_y = oem.y + oem.height + GAP_PX;
-    let legend = legend::legend(side_x, legend_y, view);
-    let bottom = (main.y + main.height).max(legend_y + legend::HEIGHT_PX);
+    let legend = legend::legend(side_x, legend_y, view, Some(agent));
+    let bottom =
+        (main.y + main.height + axes::BELOW_PX + SCALE_BAR_PX).max(legend_y + legend::HEIGHT_PX);
     let (width, height) = (side_x + SIDE_PX + GAP_PX, bottom + FOOTER_PX);
     let nobody = Knowledge::default();
-    let knowledge = view.agents.first().unwrap_or(&nobody);
+    let knowledge = view.agents.get(agent).unwrap_or(&nobody);
 
     let background = Rectangle::new()
         .set("width", round(width))
@@ -37,12 +43,13 @@ pub fn map_svg(view: &View) -> String {
         .set("viewBox", (0, 0, round(width), round(height)))
         .set("width", round(width))
         .set("height", round(height))
-        .set("font-family", "Helvetica, Arial, 'DejaVu Sans', sans-serif")
+        .set("font-family", FONT)
         .add(svg::node::element::Title::new(title(view)))
         .add(definitions(&[&main, &hidden, &oem]).add(near_region(&main, view.size_m)))
         .add(background)
-        .add(header(view, &hidden, &oem))
-        .add(clipped(0, main_layers(&main, view, knowledge)))
+        .add(header(view, agent, &hidden, &oem))
+        .add(clipped(0, main_layers(&main, view, agent, knowledge)))
+        .add(axes::axes(&main, view.size_m))
         .add(decorations(&main, view.size_m))
         .add(clipped(1, hidden_layers(&hidden, view, knowledge)))
         .add(clipped(2, oem_layers(&oem, view, knowledge)))
@@ -52,7 +59,7 @@ pub fn map_svg(view: &View) -> String {
 }
 
 /// Room around the region for the fleet's start and its turns outside.
-fn margin_m(view: &View) -> f64 {
+pub(super) fn margin_m(view: &View) -> f64 {
     let beyond = view
         .uavs
         .iter()
@@ -65,36 +72,37 @@ fn margin_m(view: &View) -> f64 {
         .min(most)
 }
 
-fn title(view: &View) -> String {
+pub(super) fn title(view: &View) -> String {
     format!("{}, seed {}, t = {} s", view.scenario, view.seed, view.time_s)
 }
 
-fn header(view: &View, hidden: &Panel, oem: &Panel) -> Group {
-    let known = view.agents.first().map_or(0, |a| a.targets.len());
+fn header(view: &View, agent: usize, hidden: &Panel, oem: &Panel) -> Group {
+    let known = view.agents.get(agent).map_or(0, |a| a.targets.len());
     let subtitle = format!(
-        "what agent 0 knows: {known} of {} cars identified; {} UAVs; {} m x {} m",
+        "what agent {agent} knows: {known} of {} cars identified; {} UAVs; {} m x {} m",
         view.targets.len(),
         view.uavs.len(),
         view.size_m[0],
         view.size_m[1]
     );
     group("header")
-        .add(text(GAP_PX, 34.0, 22.0, title(view)).set("font-weight", "bold"))
-        .add(text(GAP_PX, 58.0, 14.0, subtitle))
+        .add(text(MAIN_X_PX, 34.0, 22.0, title(view)).set("font-weight", "bold"))
+        .add(text(MAIN_X_PX, 58.0, 14.0, subtitle))
         .add(text(hidden.x, hidden.y - 10.0, 14.0, "Unexplored ground and its hidden part"))
         .add(text(oem.x, oem.y - 10.0, 14.0, "Occupancy-elevation map (OEM)"))
 }
 
-fn main_layers(panel: &Panel, view: &View, knowledge: &Knowledge) -> Group {
+fn main_layers(panel: &Panel, view: &View, agent: usize, knowledge: &Knowledge) -> Group {
     group("main")
         .add(layers::ground(panel, view))
         .add(layers::unexplored(panel, knowledge))
         .add(layers::hidden(panel, knowledge))
+        .add(axes::grid(panel, view.size_m))
         .add(layers::buildings(panel, view))
         .add(layers::margin(panel, knowledge))
         .add(layers::oem_outlines(panel, &knowledge.oem))
         .add(layers::target_sets(panel, knowledge))
-        .add(layers::cars(panel, view))
+        .add(layers::cars(panel, view, agent))
         .add(layers::uavs(panel, view))
         .add(layers::target_labels(panel, knowledge))
 }
@@ -140,7 +148,7 @@ fn definitions(panels: &[&Panel]) -> Definitions {
 }
 
 /// Footprints reach far beyond the region; this much of them tells enough.
-fn near_region(panel: &Panel, size_m: [f64; 2]) -> ClipPath {
+pub(super) fn near_region(panel: &Panel, size_m: [f64; 2]) -> ClipPath {
     let margin_m = 0.02 * size_m[0].max(size_m[1]);
     let half = size_m.map(|s| s / 2.0 + margin_m);
     let ([left, top], [right, bottom]) =
@@ -161,9 +169,9 @@ fn decorations(panel: &Panel, size_m: [f64; 2]) -> Group {
     let length_m =
         [5.0, 2.0, 1.0].iter().map(|f| f * power).find(|l| *l <= wanted).unwrap_or(power);
     let length = length_m * panel.scale;
-    // Below the panel, where nothing else is drawn.
+    // Below the panel and its axis, where nothing else is drawn.
     let [left, _] = panel.pixel([-size_m[0] / 2.0, 0.0]);
-    let bottom = panel.y + panel.height + 16.0;
+    let bottom = panel.y + panel.height + axes::BELOW_PX + 14.0;
     let bar = Rectangle::new()
         .set("class", "scale-bar")
         .set("x", round(left))
@@ -184,5 +192,6 @@ fn decorations(panel: &Panel, size_m: [f64; 2]) -> Group {
 
 fn footer(view: &View, height: f64) -> Group {
     let line = view.attribution.clone().unwrap_or_default();
-    group("footer").add(text(GAP_PX + MAIN_PX, height - 16.0, 11.0, line).set("text-anchor", "end"))
+    group("footer")
+        .add(text(MAIN_X_PX + MAIN_PX, height - 16.0, 11.0, line).set("text-anchor", "end"))
 }

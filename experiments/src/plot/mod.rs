@@ -1,4 +1,4 @@
-//! Pictures of a run: `map.svg` and `metrics.svg`.
+//! Pictures of a run: `map.svg`, `metrics.svg`, and maps of what other agents know.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -7,6 +7,8 @@
 //!
 //! Those two are for whoever draws maps that look the same, as `examples/pictures` does.
 
+mod agents;
+mod axes;
 pub mod canvas;
 pub mod layers;
 mod legend;
@@ -23,6 +25,7 @@ use crate::series::Series;
 use crate::summary::Summary;
 use crate::view::View;
 
+pub use agents::agents_svg;
 pub use map::map_svg;
 pub use metrics::metrics_svg;
 
@@ -40,9 +43,61 @@ pub enum PlotError {
         /// Why.
         reason: String,
     },
+    /// The mission has no such agent.
+    #[error("--agent: got {got}, expected `all` or an agent from 0 to {last}")]
+    NoAgent {
+        /// What was asked for.
+        got: usize,
+        /// The last one.
+        last: usize,
+    },
     /// A picture could not be written.
     #[error(transparent)]
     Write(#[from] FolderError),
+}
+
+/// Whose knowledge a map shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Whose {
+    /// One agent's.
+    Agent(usize),
+    /// Every agent's, side by side.
+    All,
+}
+
+impl std::str::FromStr for Whose {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "all" => Ok(Self::All),
+            _ => text
+                .parse()
+                .map(Self::Agent)
+                .map_err(|_| "expected the index of an agent, or all".into()),
+        }
+    }
+}
+
+/// Draws what an agent knew at the end of a finished run, `map-agent-N.svg`, or all of them,
+/// `map-agents.svg`; gives the path.
+///
+/// # Errors
+/// When the folder is not that of a finished run, has no such agent, or the system refuses.
+pub fn draw_knowledge(folder: &Path, whose: Whose) -> Result<PathBuf, PlotError> {
+    let view: View = read_json(&folder.join("view.json"))?;
+    let (name, picture) = match whose {
+        Whose::All => ("map-agents.svg".to_owned(), agents_svg(&view)),
+        Whose::Agent(agent) if agent < view.agents.len() => {
+            (format!("map-agent-{agent}.svg"), map_svg(&view, agent))
+        }
+        Whose::Agent(got) => {
+            return Err(PlotError::NoAgent { got, last: view.agents.len().saturating_sub(1) });
+        }
+    };
+    let path = folder.join(name);
+    write(&path, &picture)?;
+    Ok(path)
 }
 
 /// Draws the pictures of a finished run again; gives their paths.
@@ -56,15 +111,19 @@ pub fn redraw(folder: &Path) -> Result<[PathBuf; 2], PlotError> {
     let unreadable = |e: csv::Error| PlotError::Read { path: path.clone(), reason: e.to_string() };
     let series = Series::read(&path).map_err(unreadable)?;
     let pictures = [
-        (folder.join("map.svg"), map_svg(&view)),
+        (folder.join("map.svg"), map_svg(&view, 0)),
         (folder.join("metrics.svg"), metrics_svg(&summary, &series)?),
     ];
     for (path, picture) in &pictures {
-        let mut file = PartialFile::create(path.clone())?;
-        file.write_text(picture)?;
-        file.finish()?;
+        write(path, picture)?;
     }
     Ok(pictures.map(|(path, _)| path))
+}
+
+fn write(path: &Path, picture: &str) -> Result<(), FolderError> {
+    let mut file = PartialFile::create(path.to_owned())?;
+    file.write_text(picture)?;
+    file.finish()
 }
 
 fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, PlotError> {

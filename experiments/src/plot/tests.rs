@@ -184,7 +184,7 @@ fn sample_summary() -> Summary {
 
 #[test]
 fn the_map_shows_every_layer() {
-    let svg = map_svg(&sample_view());
+    let svg = map_svg(&sample_view(), 0);
     show("map.svg", &svg);
     for class in [
         "roads",
@@ -200,6 +200,8 @@ fn the_map_shows_every_layer() {
         "footprint",
         "legend",
         "scale-bar",
+        "axes",
+        "grid",
         "north",
         "oem-filled",
         "heights",
@@ -215,13 +217,82 @@ fn the_map_shows_every_layer() {
     assert_eq!(svg.matches("class=\"uav\"").count(), 4);
     assert_eq!(svg.matches("class=\"car\"").count(), 6);
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
-    assert_eq!(svg, map_svg(&sample_view()), "equal views give equal pictures");
+    assert_eq!(svg, map_svg(&sample_view(), 0), "equal views give equal pictures");
+}
+
+/// The sample with a second agent, which knows of other cars and has seen less.
+fn view_of_two() -> View {
+    let mut view = sample_view();
+    let mut second = view.agents[0].clone();
+    second.targets.truncate(1);
+    second.unexplored =
+        vec![vec![vec![[-250.0, -250.0], [250.0, -250.0], [250.0, 0.0], [-250.0, 0.0]]]];
+    second.oem.occupied.iter_mut().for_each(|cell| cell.2 = 77);
+    view.agents.push(second);
+    view
+}
+
+#[test]
+fn a_map_shows_the_agent_that_is_asked_for() {
+    let view = view_of_two();
+    let [first, second] = [0, 1].map(|agent| map_svg(&view, agent));
+    assert!(
+        first.contains("what agent 0 knows: 4 of 6 cars") && first.contains("known to agent 0 and")
+    );
+    assert!(second.contains("what agent 1 knows: 1 of 6 cars"));
+    assert!(second.contains("known to agent 1 and not"));
+    // Cars that it does not know are hollow, and the scale of heights is its own.
+    let hollow = |svg: &str| {
+        let cars = svg.split("class=\"car\"").skip(1);
+        cars.filter(|car| car.split("/>").next().unwrap().contains("fill=\"#ffffff\"")).count()
+    };
+    assert_eq!((hollow(&first), hollow(&second)), (2, 5));
+    assert!(second.contains("≤8 m") && !first.contains("≤8 m"));
+}
+
+#[test]
+fn every_agent_has_a_map_in_the_picture_of_all() {
+    let view = view_of_two();
+    let svg = agents_svg(&view);
+    show("map-agents.svg", &svg);
+    assert!(svg.contains("agent 0: 4 of 6 cars"));
+    // Half the region is unexplored.
+    assert!(svg.contains("agent 1: 1 of 6 cars, 50.0 % unexplored"), "{svg}");
+    assert_eq!(svg.matches("class=\"agent\"").count(), 2);
+    assert_eq!(svg.matches("href=\"#ground\"").count(), 2);
+    assert_eq!(svg.matches("id=\"ground\"").count(), 1, "the town is written once");
+    assert!(svg.contains("© OpenStreetMap contributors"));
+    let many = View { agents: vec![view.agents[1].clone(); 64], ..view };
+    let svg = agents_svg(&many);
+    show("map-agents-64.svg", &svg);
+    assert_eq!(svg.matches("class=\"agent\"").count(), 64);
+    assert!(!agents_svg(&View { size_m: [300.0, 100.0], ..View::default() }).contains("NaN"));
+}
+
+#[test]
+fn agents_are_chosen_by_index_or_all() {
+    assert_eq!("3".parse(), Ok(Whose::Agent(3)));
+    assert_eq!("all".parse(), Ok(Whose::All));
+    for bad in ["-1", "U1", "", "1.5"] {
+        assert!(bad.parse::<Whose>().is_err(), "{bad}");
+    }
+    let folder = scratch("whose");
+    let view = view_of_two();
+    std::fs::write(folder.join("view.json"), serde_json::to_string(&view).unwrap()).unwrap();
+    let path = draw_knowledge(&folder, Whose::Agent(1)).unwrap();
+    assert!(path.ends_with("map-agent-1.svg"));
+    assert_eq!(std::fs::read_to_string(path).unwrap(), map_svg(&view, 1));
+    let path = draw_knowledge(&folder, Whose::All).unwrap();
+    assert_eq!(std::fs::read_to_string(path).unwrap(), agents_svg(&view));
+    let error = draw_knowledge(&folder, Whose::Agent(2)).unwrap_err().to_string();
+    assert_eq!(error, "--agent: got 2, expected `all` or an agent from 0 to 1");
+    assert!(!folder.join("map.svg").exists(), "the run's own picture is left alone");
 }
 
 #[test]
 fn an_empty_mission_can_be_drawn() {
     let view = View { size_m: [300.0, 100.0], ..View::default() };
-    assert!(!map_svg(&view).contains("NaN"));
+    assert!(!map_svg(&view, 0).contains("NaN"));
     let svg = metrics_svg(&sample_summary(), &Series::default()).unwrap();
     assert!(!svg.contains("NaN"));
 }
@@ -276,7 +347,7 @@ fn a_run_is_drawn_again_from_its_folder() {
     rows.serialize(StepRecord { step: 1, time_s: 0.5, oem_iou_pct: Some(7.5), ..row }).unwrap();
     rows.flush().unwrap();
     let [map, metrics] = redraw(&folder).unwrap();
-    assert_eq!(std::fs::read_to_string(map).unwrap(), map_svg(&view));
+    assert_eq!(std::fs::read_to_string(map).unwrap(), map_svg(&view, 0));
     assert!(std::fs::read_to_string(metrics).unwrap().contains("unexplored: 42.00 %"));
     assert!(!folder.join("map.svg.tmp").exists());
 }
@@ -286,7 +357,7 @@ fn real_towns_are_drawn_with_their_attribution() {
     let request = Request { scenario: Some("helsinki-17"), ..Request::default() };
     let loaded = scenario::load(request).unwrap();
     let view = View { time_s: 300.0, ..View::of_town(&loaded) };
-    let svg = map_svg(&view);
+    let svg = map_svg(&view, 0);
     show("helsinki-17.svg", &svg);
     assert!(svg.contains("OpenStreetMap contributors"));
     assert!(view.obstacles.len() > 20 && svg.contains("helsinki-17, seed 1"));

@@ -225,7 +225,7 @@ impl YAxis {
 }
 
 /// 1, 2 or 5 times a power of ten, at least so much.
-fn step(at_least: f64) -> f64 {
+pub fn step(at_least: f64) -> f64 {
     let power = 10f64.powf(at_least.max(1e-12).log10().floor());
     let factor = [1.0, 2.0, 5.0].into_iter().find(|f| f * power >= at_least * (1.0 - 1e-9));
     factor.unwrap_or(10.0) * power

@@ -56,25 +56,38 @@ impl Mistake {
     }
 }
 
+/// So many characters of a line are shown, and so many of them before the place.
+const SHOWN: usize = 120;
+const SHOWN_BEFORE: usize = 60;
+
 fn render_place(place: &Place, notes: &[String], text: &mut String) {
     let number = if place.is_file { place.line.to_string() } else { String::new() };
     let gutter = " ".repeat(number.len());
     let position =
         if place.is_file { format!(":{}:{}", place.line, place.column) } else { String::new() };
+    let (excerpt, column) = shown(&place.excerpt, place.column);
     // Tabs stay tabs under the line so that the caret stands below its character.
-    let indent: String = place
-        .excerpt
-        .chars()
-        .take(place.column - 1)
-        .map(|c| if c == '\t' { '\t' } else { ' ' })
-        .collect();
-    let carets = "^".repeat(place.width);
+    let before = excerpt.chars().take(column - 1);
+    let indent: String = before.map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+    let carets = "^".repeat(place.width.min(SHOWN + 2 - column.min(SHOWN)));
     *text += &format!("{gutter} --> {}{position}\n", place.source);
-    *text += &format!("{gutter} |\n{number} | {}\n", place.excerpt);
+    *text += &format!("{gutter} |\n{number} | {excerpt}\n");
     *text += &format!("{gutter} | {indent}{carets}\n");
     for note in notes {
         *text += &format!("{gutter} = {note}\n");
     }
+}
+
+/// A line, or what is around the column of one that is too long to be read, and the column in it.
+fn shown(line: &str, column: usize) -> (String, usize) {
+    let count = line.chars().count();
+    if count <= SHOWN {
+        return (line.to_owned(), column);
+    }
+    let first = (column - 1).saturating_sub(SHOWN_BEFORE).min(count - SHOWN);
+    let middle: String = line.chars().skip(first).take(SHOWN).collect();
+    let [before, after] = [first > 0, first + SHOWN < count].map(|cut| if cut { "…" } else { "" });
+    (format!("{before}{middle}{after}"), column - first + before.chars().count())
 }
 
 impl fmt::Display for Mistake {
@@ -124,5 +137,28 @@ pub fn did_you_mean<'a>(
         [(best, _), (second, _), ..] if best == second => None,
         [(_, candidate), ..] => Some(format!("did you mean `{candidate}`?")),
         [] => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file of one long line is shown around the place only, with the caret below it.
+    #[test]
+    fn of_a_long_line_the_surroundings_are_shown() {
+        for at in [0, 10, 60, 61, 300, 880, 999] {
+            let text: String = (0..1000).map(|i| if i == at { '!' } else { 'é' }).collect();
+            let start = text.find('!').unwrap();
+            let place = Place::in_file("t.geojson", &text, start..text.len());
+            let shown = Mistake::new("broken").at(Some(place)).render("error");
+            let lines: Vec<&str> = shown.lines().collect();
+            assert_eq!(lines[1], format!("  --> t.geojson:1:{}", at + 1));
+            let column = |line: &str, c| line.chars().position(|x| x == c);
+            assert_eq!(column(lines[3], '!'), column(lines[4], '^'), "{shown}");
+            assert!(lines.iter().all(|line| line.chars().count() < 130), "{shown}");
+            assert_eq!(lines[3].contains("é…"), at < 900, "{shown}");
+            assert_eq!(lines[3].contains("| …"), at > 60, "{shown}");
+        }
     }
 }

@@ -23,7 +23,8 @@ use csat_agent::config::{ChannelNames, Channels, EstimatorConfig, ExchangeConfig
 use csat_netem::config::NetemConfig;
 use csat_proto::camera::CameraModel;
 use csat_proto::model::{FleetModel, Ground, TargetsModel};
-use csat_world::map::{MapConfig, MapWarning};
+use csat_world::map::report::by_cause;
+use csat_world::map::{LeftOut, MapConfig, MapWarning};
 use csat_world::world::{World, WorldConfig};
 use serde::{Deserialize, Serialize};
 
@@ -212,8 +213,15 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
     let mut sources = Sources::default();
     let mut tree = match open(name) {
         Ok(source) => {
+            let json = json_as_scenario(&source);
             let index = sources.push(source);
-            let parsed = tree::parse(&sources, index, &mut mistakes);
+            let parsed = match json {
+                Some(mistake) => {
+                    mistakes.push(mistake);
+                    tree::Table::new()
+                }
+                None => tree::parse(&sources, index, &mut mistakes),
+            };
             // What a parser recovers after a syntax error would only raise false alarms.
             if mistakes.is_empty() { parsed } else { tree::Table::new() }
         }
@@ -254,8 +262,10 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
     let map_warnings = world.as_ref().map_or_else(|map| map.as_slice(), World::warnings);
     // A shipped map is larger than the region on purpose.
     let is_shipped = map.as_ref().is_some_and(|map| map.is_shipped);
-    let told = |w: &&MapWarning| !(is_shipped && matches!(w, MapWarning::Outside { .. }));
-    warnings.extend(map_warnings.iter().filter(told).map(|w| Mistake::new(w.to_string())));
+    let is_cut = |w: &MapWarning| matches!(w, MapWarning::LeftOut { reason: LeftOut::Outside, .. });
+    let told: Vec<MapWarning> =
+        map_warnings.iter().filter(|w| !(is_shipped && is_cut(w))).cloned().collect();
+    warnings.extend(by_cause(&told).into_iter().map(Mistake::new));
     match world {
         Ok(world) if mistakes.is_empty() => {
             if scenario.name.is_empty() {
@@ -322,6 +332,16 @@ fn open(name: &str) -> Result<Source, Mistake> {
             Err(Mistake::new(text).expected("a TOML file"))
         }
     }
+}
+
+/// A town given as the scenario, which is easily done.
+fn json_as_scenario(source: &Source) -> Option<Mistake> {
+    let text = source.text.trim_start_matches('\u{feff}').trim_start();
+    text.starts_with(['{', '\u{1e}']).then(|| {
+        Mistake::new(format!("`{}` is JSON", source.name))
+            .expected("a scenario, which is a TOML file")
+            .help(format!("to fly over a GeoJSON town: `--set map.file={}`", source.name))
+    })
 }
 
 fn stem(name: &str) -> String {

@@ -43,19 +43,9 @@ impl Sources {
     /// Resolves a site to what a person needs to find it.
     pub fn place(&self, site: &Site) -> Place {
         let source = self.get(site.source);
-        let text = &source.text;
-        let start = floor_boundary(text, site.span.start);
-        let end = floor_boundary(text, site.span.end).max(start);
-        let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
-        let line_end = text[line_start..].find('\n').map_or(text.len(), |at| line_start + at);
-        let underlined = &text[start..end.min(line_end).max(start)];
         Place {
-            source: source.name.clone(),
             is_file: source.is_file,
-            line: text[..start].matches('\n').count() + 1,
-            column: text[line_start..start].chars().count() + 1,
-            excerpt: text[line_start..line_end].trim_end_matches('\r').to_owned(),
-            width: underlined.chars().count().max(1),
+            ..Place::in_file(&source.name, &source.text, site.span.clone())
         }
     }
 }
@@ -84,6 +74,25 @@ pub struct Place {
     pub excerpt: String,
     /// Number of characters to underline.
     pub width: usize,
+}
+
+impl Place {
+    /// A stretch of the text of a file, in bytes.
+    pub fn in_file(name: &str, text: &str, span: Range<usize>) -> Self {
+        let start = floor_boundary(text, span.start);
+        let end = floor_boundary(text, span.end).max(start);
+        let line_start = text[..start].rfind('\n').map_or(0, |at| at + 1);
+        let line_end = text[line_start..].find('\n').map_or(text.len(), |at| line_start + at);
+        let underlined = &text[start..end.min(line_end).max(start)];
+        Self {
+            source: name.to_owned(),
+            is_file: true,
+            line: text[..start].matches('\n').count() + 1,
+            column: text[line_start..start].chars().count() + 1,
+            excerpt: text[line_start..line_end].trim_end_matches('\r').to_owned(),
+            width: underlined.chars().count().max(1),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -379,8 +379,14 @@ fn a_broken_map_is_the_mistake_of_whoever_named_it() {
     let mistakes = load_with(&path.to_string_lossy(), &["agents.count=0"]).unwrap_err().mistakes;
     let text: Vec<String> = mistakes.iter().map(ToString::to_string).collect();
     assert_eq!(text.len(), 2, "{text:?}");
-    assert!(text[1].starts_with("error: broken.geojson: not JSON: "), "{}", text[1]);
-    assert!(text[1].contains("my.toml:3:8"), "{}", text[1]);
+    // The place is that in the map; the scenario that named it is said, too.
+    assert!(text[1].starts_with("error: the map broken.geojson is not JSON: EOF"), "{}", text[1]);
+    assert!(text[1].contains(" --> broken.geojson:1:"), "{}", text[1]);
+    assert!(
+        text[1].contains(" = `map.file` is set in ") && text[1].contains("my.toml:3:8"),
+        "{}",
+        text[1]
+    );
 }
 
 #[test]
@@ -480,6 +486,32 @@ fn warnings_of_the_map_are_told_with_its_mistakes() {
     assert!(text.contains("0 of 8 cars found room"), "{text}");
     assert!(text.contains("\nwarning: ") && text.contains("Point"), "{text}");
     assert!(text.ends_with("\n1 mistake: nothing was run"), "{text}");
+}
+
+/// A file of footprints without tags is flown over when the scenario says what they are.
+#[test]
+fn untagged_polygons_are_what_the_scenario_says() {
+    let folder = scratch("untagged");
+    let ring = "[[[24.94, 60.17], [24.9405, 60.17], [24.9405, 60.1702], [24.94, 60.17]]]";
+    let feature = |properties: &str, kind: &str, coordinates: &str| {
+        format!(
+            "{{ \"type\": \"Feature\", \"properties\": {properties}, \
+             \"geometry\": {{ \"type\": \"{kind}\", \"coordinates\": {coordinates} }} }}\n"
+        )
+    };
+    let road = "[[24.936, 60.1698], [24.944, 60.1698]]";
+    let map = feature("{ \"height\": 12.3 }", "Polygon", ring)
+        + &feature("{ \"highway\": \"residential\" }", "LineString", road);
+    std::fs::write(folder.join("plain.geojson"), map).unwrap();
+    let path = folder.join("my.toml");
+    std::fs::write(&path, "[map]\nfile = 'plain.geojson'\n").unwrap();
+    let load = |sets: &[&str]| load_with(&path.to_string_lossy(), sets);
+    let wrong = load(&[]).unwrap_err().to_string();
+    assert!(wrong.contains("map.untagged = \"buildings\" makes them buildings"), "{wrong}");
+    let flown = load(&["map.untagged=buildings", "targets.count=2"]).unwrap();
+    assert_eq!(flown.world.obstacles()[0].height_m, 12.3);
+    let flown = load(&["map.untagged=ignore", "targets.count=2"]).unwrap();
+    assert_eq!(flown.world.obstacles().len(), 0);
 }
 
 /// The name is a part of a folder's name, and stays when a run is flown again.

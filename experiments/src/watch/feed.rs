@@ -103,18 +103,21 @@ pub struct Batch {
     pub run: String,
     /// Documents that were heard too fast, or were no documents.
     pub lost: u64,
+    /// Whether the mission is over.
+    pub ended: bool,
     /// The newest of each topic.
     pub documents: Vec<Document>,
 }
 
 impl Batch {
-    /// `{"generation", "run", "lost", "documents": {topic: body}}`
+    /// `{"generation", "run", "lost", "ended", "documents": {topic: body}}`
     pub fn to_json(&self) -> String {
         format!(
-            "{{\"generation\":{},\"run\":{},\"lost\":{},\"documents\":{}}}",
+            "{{\"generation\":{},\"run\":{},\"lost\":{},\"ended\":{},\"documents\":{}}}",
             self.generation,
             serde_json::Value::from(self.run.as_str()),
             self.lost,
+            self.ended,
             by_topic(&self.documents)
         )
     }
@@ -133,6 +136,7 @@ struct State {
     revision: u64,
     run: String,
     lost: u64,
+    ended: bool,
     /// By topic, with the revision that brought it.
     latest: BTreeMap<String, (u64, Document)>,
     history: History,
@@ -142,6 +146,7 @@ impl State {
     fn begin(&mut self, run: &str) {
         self.generation += 1;
         self.run = run.to_owned();
+        self.ended = false;
         self.latest.clear();
         self.history = History::default();
     }
@@ -181,6 +186,12 @@ impl Hub {
         self.changed.send_replace(());
     }
 
+    /// Says whether the mission is over.
+    pub fn end(&self, ended: bool) {
+        self.state().ended = ended;
+        self.changed.send_replace(());
+    }
+
     /// Counts documents that could not be shown.
     pub fn lose(&self, count: u64) {
         self.state().lost += count;
@@ -203,6 +214,7 @@ impl Hub {
             generation: state.generation,
             run: state.run.clone(),
             lost: state.lost,
+            ended: state.ended,
             documents: documents.cloned().collect(),
         }
     }

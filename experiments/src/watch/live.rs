@@ -16,14 +16,17 @@ use crate::timing::Stopwatch;
 
 /// Documents that were heard and are not read yet; one step of 64 agents is under 600.
 const QUEUE: usize = 4096;
+/// The liveliness token of a mission's world, which goes when the mission ends.
+const WORLD: &str = "alive/world";
 /// How long to wait before asking for the town again, and for an answer.
 const ASKING: Duration = Duration::from_secs(1);
 /// A mission that was not heard for so long gives way to another one, seconds.
 const SILENCE_S: f64 = 5.0;
 
-/// Something that was published.
+/// Something that was published, or the liveliness token of a world that came (put) or went (delete).
 struct Heard {
     key: String,
+    kind: SampleKind,
     payload: ZBytes,
 }
 
@@ -45,6 +48,11 @@ pub async fn follow(session: &Session, hub: &Arc<Hub>, run: Option<u64>) -> Resu
             .await;
         subscribers.push(subscriber.map_err(refused)?);
     }
+    let token = format!("csat/{runs}/{WORLD}");
+    let (token_sender, token_lost) = (sender.clone(), lost.clone());
+    let alive = session.liveliness().declare_subscriber(token);
+    let alive = alive.callback(move |sample| queue(&sample, &token_sender, &token_lost)).await;
+    let _alive = alive.map_err(refused)?;
     tokio::select! {
         result = ask_for_the_town(session, hub, &runs, &sender) => result,
         () = read(receiver, hub, &lost, Choice::default()) => Ok(()),
@@ -55,12 +63,17 @@ fn refused(error: zenoh::Error) -> WatchError {
     WatchError::Zenoh(error.to_string())
 }
 
-/// Zenoh's own thread waits for nobody.
+/// Queues what was published.
 fn hear(sample: &Sample, sender: &Sender<Heard>, lost: &AtomicU64) {
-    if sample.kind() != SampleKind::Put {
-        return;
+    if sample.kind() == SampleKind::Put {
+        queue(sample, sender, lost);
     }
-    let heard = Heard { key: sample.key_expr().to_string(), payload: sample.payload().clone() };
+}
+
+/// Zenoh's own thread must not wait: what does not fit into the queue is counted as lost.
+fn queue(sample: &Sample, sender: &Sender<Heard>, lost: &AtomicU64) {
+    let (key, kind) = (sample.key_expr().to_string(), sample.kind());
+    let heard = Heard { key, kind, payload: sample.payload().clone() };
     if sender.try_send(heard).is_err() {
         lost.fetch_add(1, Ordering::Relaxed);
     }
@@ -104,6 +117,11 @@ enum Verdict {
 }
 
 impl Choice {
+    /// Whether it is the mission that is shown.
+    fn is(&self, run: &str) -> bool {
+        self.current.as_ref().is_some_and(|(current, _)| current == run)
+    }
+
     /// The first one heard, until it falls silent and another one is heard.
     fn hears(&mut self, run: &str) -> Verdict {
         match &mut self.current {
@@ -140,10 +158,15 @@ fn take(heard: &mut Vec<Heard>, hub: &Hub, choice: &mut Choice) {
         newest.insert(key.clone(), index);
     }
     let mut documents = Vec::new();
-    for (index, Heard { key, payload }) in heard.drain(..).enumerate() {
+    let mut ended = None;
+    for (index, Heard { key, kind, payload }) in heard.drain(..).enumerate() {
         let Some((run, topic)) = key.strip_prefix("csat/").and_then(|k| k.split_once('/')) else {
             continue;
         };
+        if topic == WORLD {
+            ended = choice.is(run).then_some(kind == SampleKind::Delete).or(ended);
+            continue;
+        }
         let is_series = topic == "truth/metrics" || topic.ends_with("/pose");
         if newest.get(&key) != Some(&index) && !is_series {
             continue;
@@ -152,6 +175,7 @@ fn take(heard: &mut Vec<Heard>, hub: &Hub, choice: &mut Choice) {
             Verdict::Ignore => continue,
             Verdict::Begin => {
                 documents.clear();
+                ended = None;
                 hub.begin(run);
             }
             Verdict::Show => {}
@@ -165,6 +189,9 @@ fn take(heard: &mut Vec<Heard>, hub: &Hub, choice: &mut Choice) {
         }
     }
     hub.publish(documents);
+    if let Some(ended) = ended {
+        hub.end(ended);
+    }
 }
 
 #[cfg(test)]
@@ -173,7 +200,7 @@ mod tests {
     use crate::watch::feed::Cursor;
 
     fn heard(key: &str, body: &str) -> Heard {
-        Heard { key: key.to_owned(), payload: ZBytes::from(body) }
+        Heard { key: key.to_owned(), kind: SampleKind::Put, payload: ZBytes::from(body) }
     }
 
     fn shown(hub: &Hub) -> (String, u64, Vec<String>) {
@@ -199,6 +226,28 @@ mod tests {
         assert_eq!(documents.len(), 2, "{documents:?}");
         assert!(documents[0].starts_with("view/0/oem {\"time_s\":2}"), "{documents:?}");
         assert!(hub.history_json().contains("[2,1.00,2.00]"));
+    }
+
+    #[test]
+    fn a_mission_ends_with_its_own_world() {
+        let (hub, mut choice) = (Hub::default(), Choice::default());
+        let ended = || hub.since(&mut Cursor::default(), |_| true).ended;
+        let gone = |run: &str| Heard {
+            kind: SampleKind::Delete,
+            ..heard(&format!("csat/{run}/alive/world"), "")
+        };
+        take(&mut vec![gone("7")], &hub, &mut choice);
+        assert!(!ended(), "nothing is shown yet");
+        take(&mut vec![heard("csat/7/view/0/pose", "{\"time_s\":2}")], &hub, &mut choice);
+        take(&mut vec![gone("8")], &hub, &mut choice);
+        assert!(!ended(), "another one's world");
+        take(&mut vec![gone("7")], &hub, &mut choice);
+        assert!(ended());
+        // What agents still say after it is part of the mission that ended.
+        take(&mut vec![heard("csat/7/view/0/pose", "{\"time_s\":3}")], &hub, &mut choice);
+        assert!(ended());
+        take(&mut vec![heard("csat/7/alive/world", "")], &hub, &mut choice);
+        assert!(!ended(), "the same mission flies again");
     }
 
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

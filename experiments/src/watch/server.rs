@@ -119,11 +119,11 @@ fn batches(hub: Arc<Hub>, agent: usize) -> impl Stream<Item = Result<Event, Infa
             pace.tick().await;
             changes.mark_unchanged();
             let batch = hub.since(&mut cursor, |topic| is_drawn(topic, agent));
-            let generation = Some(batch.generation);
+            let now = Some((batch.generation, batch.ended));
             // A page is greeted at once, so that it knows that it is connected.
-            if generation != told || !batch.documents.is_empty() {
+            if now != told || !batch.documents.is_empty() {
                 let event = Event::default().event("batch").retry(RETRY).data(batch.to_json());
-                return Some((Ok(event), (hub, changes, pace, cursor, generation)));
+                return Some((Ok(event), (hub, changes, pace, cursor, now)));
             }
         }
     })

@@ -142,21 +142,77 @@ impl Browser {
         panic!("never true: {expression}\n{:#?}\n{body}", self.complaints);
     }
 
-    /// Clicks the middle of the element that a selector finds.
-    pub fn click(&mut self, selector: &str) {
+    /// Where the element is that a selector finds, scrolled into view: left, top, width and height.
+    pub fn place(&mut self, selector: &str) -> [f64; 4] {
         let quoted = json!(selector);
         let place = self.value(&format!(
             "(() => {{ const e = document.querySelector({quoted}); e.scrollIntoView({{block: 'center'}}); \
-             const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; }})()"
+             const b = e.getBoundingClientRect(); return [b.x, b.y, b.width, b.height]; }})()"
         ));
-        self.click_at(place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
+        std::array::from_fn(|i| place[i].as_f64().expect(selector))
+    }
+
+    /// A pixel of an element, by shares of its width and height.
+    pub fn pixel(&mut self, selector: &str, [right, down]: [f64; 2]) -> [f64; 2] {
+        let [x, y, width, height] = self.place(selector);
+        [x + right * width, y + down * height]
+    }
+
+    /// Clicks the middle of the element that a selector finds.
+    pub fn click(&mut self, selector: &str) {
+        let [x, y] = self.pixel(selector, [0.5, 0.5]);
+        self.click_at(x, y);
     }
 
     /// Clicks a pixel.
     pub fn click_at(&mut self, x: f64, y: f64) {
-        for kind in ["mousePressed", "mouseReleased"] {
-            let event = json!({"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1});
-            self.call("Input.dispatchMouseEvent", event);
+        self.mouse("mousePressed", [x, y], "left");
+        self.mouse("mouseReleased", [x, y], "left");
+    }
+
+    /// Moves the mouse to a pixel.
+    pub fn hover(&mut self, at: [f64; 2]) {
+        self.mouse("mouseMoved", at, "none");
+    }
+
+    /// Drags from one pixel to another, and calls `halfway` in the middle.
+    pub fn drag(&mut self, from: [f64; 2], to: [f64; 2], halfway: impl FnOnce(&mut Self)) {
+        self.hover(from);
+        self.mouse("mousePressed", from, "left");
+        let between = |share: f64| std::array::from_fn(|i| from[i] + share * (to[i] - from[i]));
+        for share in [0.1, 0.3, 0.5] {
+            self.mouse("mouseMoved", between(share), "left");
+        }
+        halfway(self);
+        for share in [0.7, 0.9, 1.0] {
+            self.mouse("mouseMoved", between(share), "left");
+        }
+        self.mouse("mouseReleased", to, "left");
+    }
+
+    fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], button: &str) {
+        let buttons = u8::from(button == "left" && kind != "mouseReleased");
+        let event = json!({"type": kind, "x": x, "y": y, "button": button, "buttons": buttons,
+            "clickCount": u8::from(kind != "mouseMoved")});
+        self.call("Input.dispatchMouseEvent", event);
+    }
+
+    /// Turns the wheel over a pixel, towards the user when positive.
+    pub fn wheel(&mut self, [x, y]: [f64; 2], delta_y: f64) {
+        let event = json!({"type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": delta_y});
+        self.call("Input.dispatchMouseEvent", event);
+    }
+
+    /// Moves two fingers, from two pixels to two others.
+    pub fn pinch(&mut self, from: [[f64; 2]; 2], to: [[f64; 2]; 2]) {
+        let fingers = |at: [[f64; 2]; 2]| {
+            let finger = |i: usize| json!({"x": at[i][0], "y": at[i][1], "id": i});
+            json!([finger(0), finger(1)])
+        };
+        for (kind, points) in
+            [("touchStart", fingers(from)), ("touchMove", fingers(to)), ("touchEnd", json!([]))]
+        {
+            self.call("Input.dispatchTouchEvent", json!({"type": kind, "touchPoints": points}));
         }
     }
 
@@ -166,8 +222,21 @@ impl Browser {
         if key.len() == 1 {
             event["text"] = key.into();
         }
+        // What a browser does by itself it does by the code of the key.
+        let codes = [
+            ("End", 35),
+            ("Home", 36),
+            ("ArrowLeft", 37),
+            ("ArrowUp", 38),
+            ("ArrowRight", 39),
+            ("ArrowDown", 40),
+        ];
+        if let Some((_, code)) = codes.iter().find(|(name, _)| *name == key) {
+            event["windowsVirtualKeyCode"] = (*code).into();
+        }
+        self.call("Input.dispatchKeyEvent", event.clone());
+        event["type"] = "keyUp".into();
         self.call("Input.dispatchKeyEvent", event);
-        self.call("Input.dispatchKeyEvent", json!({"type": "keyUp", "key": key}));
     }
 
     /// Writes what shows as a PNG.

@@ -6,6 +6,7 @@ use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
+use super::count::FeatureCount;
 use super::report::{MapError, MapWarning};
 use super::{Map, MapConfig, MapRules};
 use crate::obstacle::Obstacle;
@@ -79,6 +80,7 @@ pub fn generate(config: &MapConfig, rules: &MapRules, seed: u64) -> Result<Map, 
         roads: polylines(&ground, &streets),
         centre_deg: None,
         attribution: None,
+        count: FeatureCount::default(),
         warnings,
     })
 }

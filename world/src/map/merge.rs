@@ -14,6 +14,8 @@ use crate::obstacle::Obstacle;
 #[derive(Debug, Clone)]
 pub(super) struct Outline {
     pub feature: FeatureRef,
+    /// The index of the building that it is or that it is a part of.
+    pub building: usize,
     pub shape: MultiPolygon<f64>,
     pub height_m: f64,
 }
@@ -53,7 +55,8 @@ fn clusters(outlines: &[Outline]) -> Vec<Vec<usize>> {
     clusters
 }
 
-fn meet(a: &Option<Rect<f64>>, b: &Option<Rect<f64>>) -> bool {
+/// Whether two bounding boxes touch.
+pub(super) fn meet(a: &Option<Rect<f64>>, b: &Option<Rect<f64>>) -> bool {
     let (Some(a), Some(b)) = (a, b) else { return false };
     a.min().x <= b.max().x
         && b.min().x <= a.max().x
@@ -64,7 +67,9 @@ fn meet(a: &Option<Rect<f64>>, b: &Option<Rect<f64>>) -> bool {
 fn report_overlaps(members: &[&Outline], warnings: &mut Vec<MapWarning>) {
     for (j, b) in members.iter().enumerate() {
         for a in &members[..j] {
-            if !meet(&a.shape.bounding_rect(), &b.shape.bounding_rect()) {
+            // Parts of one building stand in and on each other on purpose.
+            if a.building == b.building || !meet(&a.shape.bounding_rect(), &b.shape.bounding_rect())
+            {
                 continue;
             }
             let area_m2 = a.shape.intersection(&b.shape).unsigned_area();
@@ -144,7 +149,7 @@ mod tests {
             (x: x, y: y), (x: x + side, y: y), (x: x + side, y: y + side), (x: x, y: y + side)
         ]]);
         let feature = FeatureRef { index, id: Some(format!("way/{index}")), name: None };
-        Outline { feature, shape, height_m }
+        Outline { feature, building: index, shape, height_m }
     }
 
     #[test]

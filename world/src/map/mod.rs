@@ -7,6 +7,7 @@
 //! | `repair` | outlines of real towns made valid |
 //! | `merge` | outlines that overlap made disjoint |
 //! | [`project`] | longitude and latitude to the local tangent plane |
+//! | [`count`] | what became of each feature of a file |
 //! | [`report`] | what can be wrong with a map, and what was put right |
 
 use std::ops::RangeInclusive;
@@ -15,6 +16,7 @@ use std::path::PathBuf;
 use csat_proto::model::Ground;
 use serde::{Deserialize, Serialize};
 
+pub mod count;
 pub mod generate;
 pub mod geojson;
 mod merge;
@@ -22,6 +24,7 @@ pub mod project;
 mod repair;
 pub mod report;
 
+pub use count::{FeatureCount, LeftOut};
 pub use report::{FeatureRef, MapError, MapWarning};
 
 use crate::obstacle::Obstacle;
@@ -45,6 +48,16 @@ pub enum MapKind {
     GeoJson,
 }
 
+/// What polygons are that no tag says anything about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Untagged {
+    /// Buildings: the file holds nothing else, as the output of programs that find them in images.
+    Buildings,
+    /// Nothing.
+    Ignore,
+}
+
 /// `[map]`: the region of interest and its town.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -54,6 +67,10 @@ pub struct MapConfig {
     /// The GeoJSON file, for kind `geojson`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
+    /// What polygons without tags are, for kind `geojson`. Without it they are left out with a warning,
+    /// and a file in which no polygon is tagged as a building is an error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub untagged: Option<Untagged>,
     /// Width (east) and depth (north) of the region of interest, metres.
     pub size_m: [f64; 2],
     /// Share of the region under buildings, 0..1; kind `generated`.
@@ -71,6 +88,7 @@ impl Default for MapConfig {
         Self {
             kind: MapKind::Generated,
             file: None,
+            untagged: None,
             size_m: [500.0, 500.0],
             built_share: 0.05,
             min_height_m: 6.0,
@@ -111,6 +129,8 @@ pub struct Map {
     pub centre_deg: Option<[f64; 2]>,
     /// The line that whoever shows the map has to show with it.
     pub attribution: Option<String>,
+    /// What became of each feature of its file; of none for a town without one.
+    pub count: FeatureCount,
     /// What was put right or left out.
     pub warnings: Vec<MapWarning>,
 }
@@ -141,7 +161,7 @@ pub fn load(config: &MapConfig, rules: &MapRules, seed: u64) -> Result<Map, Vec<
         (MapKind::GeoJson, Some(path)) => {
             let text = std::fs::read_to_string(path)
                 .map_err(|e| vec![MapError::Read { path: path.clone(), reason: e.to_string() }])?;
-            geojson::import(&text, Ground { size_m: config.size_m }, rules)
+            geojson::import(&text, Ground { size_m: config.size_m }, rules, config.untagged)
         }
         _ => generate::generate(config, rules, seed).map_err(|e| vec![e]),
     }
@@ -160,7 +180,7 @@ pub fn from_geojson(
     if !errors.is_empty() {
         return Err(errors);
     }
-    geojson::import(text, Ground { size_m: config.size_m }, rules)
+    geojson::import(text, Ground { size_m: config.size_m }, rules, config.untagged)
 }
 
 /// The mistakes that show before any file is read.
@@ -191,6 +211,9 @@ fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
             let file = config.file.as_deref().unwrap_or(std::path::Path::new(""));
             let got = format!("`{}` with kind = \"generated\"", file.display());
             expect(config.file.is_none(), "map.file", got, "kind = \"geojson\" or no file".into());
+            let got = "set with kind = \"generated\"".into();
+            let expected = "kind = \"geojson\" or no key".into();
+            expect(config.untagged.is_none(), "map.untagged", got, expected);
             let share_ok = (0.0..1.0).contains(&config.built_share);
             let got = config.built_share.to_string();
             expect(share_ok, "map.built_share", got, "a share from 0 to below 1".into());

@@ -3,6 +3,8 @@
 
 use std::path::PathBuf;
 
+use super::count::LeftOut;
+
 /// A feature of a GeoJSON file.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FeatureRef {
@@ -48,13 +50,20 @@ pub enum MapError {
         reason: String,
     },
     /// The text is not JSON.
-    #[error("not JSON: {reason}")]
+    #[error("not JSON: {reason} at line {line}, column {column}")]
     NotJson {
-        /// What the parser said, with line and column.
+        /// What the parser said.
         reason: String,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1, in bytes and without a byte order mark.
+        column: usize,
     },
-    /// The document is not a feature collection.
-    #[error("got {got}, expected a GeoJSON FeatureCollection with an array of features")]
+    /// The document is not GeoJSON.
+    #[error(
+        "got {got}, expected a GeoJSON FeatureCollection with an array of features, or features one \
+         after the other (GeoJSONSeq, RFC 8142)"
+    )]
     NotCollection {
         /// What it is instead.
         got: String,
@@ -73,16 +82,49 @@ pub enum MapError {
         /// What the parser said.
         reason: String,
     },
-    /// A position outside the ranges of longitude and latitude.
+    /// More features like those named one by one.
+    #[error("{count} more features are no GeoJSON Features (RFC 7946 §3.2)")]
+    MoreBadFeatures {
+        /// How many.
+        count: usize,
+    },
+    /// Positions outside the ranges of longitude and latitude.
     #[error(
-        "{feature}: position {got:?}, expected [longitude, latitude] in degrees (is the file in \
-         projected coordinates?)"
+        "{count} feature(s) have positions that are no [longitude, latitude] in degrees; is the file \
+         in projected coordinates? The first: {feature} at {got:?}"
     )]
     BadPosition {
-        /// Which feature.
+        /// The first of them.
         feature: FeatureRef,
-        /// The position.
+        /// Its first such position.
         got: Vec<f64>,
+        /// How many features it is.
+        count: usize,
+    },
+    /// The file names a coordinate reference system of its own.
+    #[error(
+        "crs: the file is in {got}, expected longitude and latitude of WGS 84 (RFC 7946 §4), which \
+         `ogr2ogr -t_srs EPSG:4326 out.geojson in.geojson` makes; {bad} of its {features} feature(s) \
+         have positions that are none"
+    )]
+    ForeignCrs {
+        /// Its name.
+        got: String,
+        /// Features of the file.
+        features: usize,
+        /// Buildings and roads of which a position is outside the ranges of longitude and latitude.
+        bad: usize,
+    },
+    /// Polygons, and none of them is tagged as a building.
+    #[error(
+        "no building, and {count} polygon(s) without a `building` tag, the first: {feature}; \
+         map.untagged = \"buildings\" makes them buildings, \"ignore\" flies without them"
+    )]
+    Untagged {
+        /// The first of them.
+        feature: FeatureRef,
+        /// How many.
+        count: usize,
     },
     /// The generated town has no room for so many buildings.
     #[error(
@@ -160,21 +202,16 @@ pub enum MapWarning {
         /// How much of it is outside, m².
         outside_m2: f64,
     },
-    /// A feature without geometry.
-    #[error("{feature}: no geometry; left out")]
-    NoGeometry {
-        /// Which feature.
-        feature: FeatureRef,
-    },
-    /// A geometry of the wrong type.
-    #[error("{feature}: geometry is a {got}, expected {expected}; left out")]
-    WrongGeometry {
-        /// Which feature.
-        feature: FeatureRef,
-        /// Its type.
-        got: &'static str,
-        /// What would do.
-        expected: &'static str,
+    /// Features that are not in the town.
+    #[error(
+        "{} feature(s) left out: {reason}{}; the first: {}",
+        features.len(), hint(reason), features[0]
+    )]
+    LeftOut {
+        /// Why.
+        reason: LeftOut,
+        /// Which ones; never empty.
+        features: Vec<FeatureRef>,
     },
     /// A road with fewer than two distinct positions.
     #[error("{feature}: road with {got} distinct position(s), expected at least 2; left out")]
@@ -185,17 +222,44 @@ pub enum MapWarning {
         got: usize,
     },
     /// A height that cannot be read.
-    #[error("{feature}: {key} = {got}, expected a positive number{unit}; took {used_m} m")]
+    #[error("{feature}: {key} = {got}, expected {expected}; took {used_m} m")]
     BadHeight {
         /// Which feature.
         feature: FeatureRef,
-        /// `height` or `building:levels`.
+        /// The tag.
         key: &'static str,
-        /// Its value.
+        /// Its value, as JSON.
         got: String,
-        /// The unit it may carry.
-        unit: &'static str,
+        /// What can be read.
+        expected: &'static str,
         /// The height used instead, metres.
+        used_m: f64,
+    },
+    /// Something that does not reach down to the ground.
+    #[error(
+        "{feature}: begins {base_m} m above the ground and nothing stands under {area_m2:.0} m² of it; \
+         built from the ground"
+    )]
+    Floating {
+        /// Which feature.
+        feature: FeatureRef,
+        /// Height of its underside, metres.
+        base_m: f64,
+        /// Area of what nothing is under, m².
+        area_m2: f64,
+    },
+    /// A building with parts that leave some of its outline free.
+    #[error(
+        "{feature}: its {parts} part(s) leave {area_m2:.0} m² of the outline free; built that {used_m} m high"
+    )]
+    PartsLeave {
+        /// The building.
+        feature: FeatureRef,
+        /// How many parts it has.
+        parts: usize,
+        /// Area of what they leave, m².
+        area_m2: f64,
+        /// The height used there, metres.
         used_m: f64,
     },
     /// A building as high as the UAVs fly.
@@ -220,12 +284,6 @@ pub enum MapWarning {
         /// What was done.
         what: &'static str,
     },
-    /// Features that do not reach the region.
-    #[error("{} feature(s) outside the region; left out, the first: {}", features.len(), features[0])]
-    Outside {
-        /// Which ones; never empty.
-        features: Vec<FeatureRef>,
-    },
     /// The file has no `center`.
     #[error("no center; took the middle of the data, [{}, {}]", got[0], got[1])]
     NoCenter {
@@ -246,4 +304,73 @@ pub enum MapWarning {
         /// The height used, metres.
         max_m: f64,
     },
+}
+
+fn hint(reason: &LeftOut) -> &'static str {
+    match reason {
+        LeftOut::Untagged => " (map.untagged = \"buildings\" makes them buildings)",
+        _ => "",
+    }
+}
+
+/// How many warnings of one cause are told one by one.
+const TOLD: usize = 3;
+
+impl MapWarning {
+    /// What warnings have in common that call for one correction.
+    fn cause(&self) -> (std::mem::Discriminant<Self>, &str, &str) {
+        let (key, value) = match self {
+            Self::BadHeight { key, got, .. } => (*key, got.as_str()),
+            Self::Overlap { what, .. } => (*what, ""),
+            _ => ("", ""),
+        };
+        (std::mem::discriminant(self), key, value)
+    }
+
+    fn feature(&self) -> Option<&FeatureRef> {
+        match self {
+            Self::RingClosed { feature, .. }
+            | Self::RepeatedPositions { feature, .. }
+            | Self::SelfCrossing { feature, .. }
+            | Self::ShortRing { feature, .. }
+            | Self::ZeroArea { feature, .. }
+            | Self::HoleOutside { feature, .. }
+            | Self::ShortRoad { feature, .. }
+            | Self::BadHeight { feature, .. }
+            | Self::Floating { feature, .. }
+            | Self::PartsLeave { feature, .. }
+            | Self::HeightClamped { feature, .. }
+            | Self::Overlap { feature, .. } => Some(feature),
+            Self::LeftOut { .. }
+            | Self::NoCenter { .. }
+            | Self::NoBuildings
+            | Self::NoRoads
+            | Self::MaxHeightLowered { .. } => None,
+        }
+    }
+}
+
+/// The warnings in words: of each cause all when they are few, else the first and how many more.
+pub fn by_cause(warnings: &[MapWarning]) -> Vec<String> {
+    let mut groups: Vec<Vec<&MapWarning>> = Vec::new();
+    for warning in warnings {
+        // What names its features itself stands for itself.
+        let group = warning
+            .feature()
+            .and_then(|_| groups.iter_mut().find(|group| group[0].cause() == warning.cause()));
+        match group {
+            Some(group) => group.push(warning),
+            None => groups.push(vec![warning]),
+        }
+    }
+    let told = |group: Vec<&MapWarning>| {
+        if group.len() <= TOLD {
+            return group.iter().map(|w| w.to_string()).collect();
+        }
+        let more =
+            group[1..].iter().filter_map(|w| w.feature()).take(TOLD).map(ToString::to_string);
+        let more: Vec<String> = more.collect();
+        vec![format!("{} (and {} more like it: {}, …)", group[0], group.len() - 1, more.join(", "))]
+    };
+    groups.into_iter().flat_map(told).collect()
 }

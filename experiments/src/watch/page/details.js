@@ -83,6 +83,13 @@ function showConnection(kind, words) {
   setText('connection', words);
 }
 
+// What became of a mission that is over, with the time between two documents of it.
+function endInWords(period_s) {
+  const duration = town()?.duration_s;
+  const isComplete = !isNumber(duration) || state.time + period_s + 1e-6 >= duration;
+  return isComplete ? 'the mission ended' : 'the mission ended early';
+}
+
 function showEmpty(words) {
   byId('empty').hidden = !words;
   setText('empty', words ?? '');

@@ -1,6 +1,6 @@
 // A fleet that flies: batches of the newest documents, about ten a second.
 
-const live = { events: null, generation: null, held: {}, heard: null, step: false, done: Promise.resolve() };
+const live = { events: null, generation: null, held: {}, heard: null, ended: false, step: false, done: Promise.resolve() };
 // Quiet for longer than this, a fleet is not taken for flying.
 const QUIET_MS = 3000;
 
@@ -32,6 +32,7 @@ async function takeBatch(batch) {
     if (batch.generation > 0) await loadSeries();
   }
   state.lost = batch.lost;
+  live.ended = batch.ended;
   if (Object.keys(batch.documents).length) live.heard = performance.now();
   if (state.playing || live.step || isNew) {
     live.step = false;
@@ -72,6 +73,8 @@ function showLive() {
   const quiet = live.heard === null ? null : performance.now() - live.heard;
   if (!open) showConnection('bad', live.heard === null ? 'connecting' : 'connection lost, trying again');
   else if (quiet === null) showConnection('', 'waiting');
+  else if (!state.playing && behind() > 0) showConnection('held', 'paused');
+  else if (live.ended) showConnection('held', endInWords(town()?.period_s ?? 0));
   else if (!state.playing) showConnection('held', 'paused');
   else if (quiet > QUIET_MS) showConnection('', `quiet for ${Math.round(quiet / 1000)} s`);
   else showConnection('good', 'live');

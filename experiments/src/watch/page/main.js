@@ -41,7 +41,7 @@ function showTransport() {
   setText('play', state.playing ? 'Pause' : LIVE ? 'Resume' : 'Play');
   button.setAttribute('aria-pressed', String(!state.playing));
   if (LIVE) return;
-  byId('slider').value = recorded.index;
+  byId('slider').value = recorded.wanted;
   byId('slider').setAttribute('aria-valuetext', `${state.time ?? 0} s`);
   const [, last] = recordedSpan();
   setText('moment', isNumber(state.time) ? `${state.time.toFixed(1)} / ${last.toFixed(1)} s` : '');
@@ -110,8 +110,9 @@ function listenToButtons() {
   byId('back').addEventListener('click', () => step(-1));
   byId('forward').addEventListener('click', () => step(1));
   byId('slider').addEventListener('input', () => {
-    pause();
+    // First the wish: whatever draws the slider draws it where the wish is.
     goTo(Number(byId('slider').value));
+    pause();
   });
   byId('fit').addEventListener('click', fit);
   byId('zoom-in').addEventListener('click', KEYS['+']);

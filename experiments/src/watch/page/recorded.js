@@ -1,6 +1,6 @@
 // A recording: the moment that is shown follows the slider, the keys and the clock of playing.
 
-const recorded = { times: [], index: 0, wanted: 0, asking: false, clock: 0, frame: null };
+const recorded = { times: [], wanted: 0, asking: false, clock: 0, frame: null };
 
 const recordedSpan = () => {
   const { times } = recorded;
@@ -22,7 +22,6 @@ async function startRecorded() {
     if (!recorded.times.length) return showEmpty('Nothing flies in this recording: expected documents below view/.');
     // The end shows most.
     recorded.wanted = recorded.times.length - 1;
-    showConnection('held', 'recorded');
     await catchUp();
     fit();
   } catch (error) {
@@ -45,8 +44,8 @@ async function catchUp() {
       const known = town();
       state.docs = known ? { 'truth/town': known } : {};
       takeDocuments(documents);
-      [state.time, recorded.index] = [recorded.times[shown], shown];
-      showConnection(state.playing ? 'good' : 'held', 'recorded');
+      state.time = recorded.times[shown];
+      showRecorded(shown);
       redraw('all');
     }
   } catch (error) {
@@ -55,6 +54,14 @@ async function catchUp() {
   } finally {
     recorded.asking = false;
   }
+}
+
+// At its last moment the recording says what became of the mission.
+function showRecorded(shown) {
+  const { times } = recorded;
+  const last = times.length - 1;
+  const end = shown === last ? `: ${endInWords(times[last] - (times[last - 1] ?? times[last]))}` : '';
+  showConnection(state.playing ? 'good' : 'held', `recorded${end}`);
 }
 
 function goTo(index) {

@@ -1,50 +1,65 @@
 //! Real towns from RFC 7946 GeoJSON in longitude and latitude, as OpenStreetMap exports them.
 //!
-//! Buildings are features with a `building` tag, roads features with a drivable `highway` tag; all
-//! else is not ours and left alone. Positions are projected to the local tangent plane about the
-//! foreign member `center` ([longitude, latitude]) or else the middle of the data.
+//! Buildings are features with a `building` tag, parts of them with heights of their own those with
+//! `building:part`, roads those with a drivable `highway`; all else is counted and left alone.
+//! Positions are projected to the local tangent plane about the foreign member `center` ([longitude,
+//! latitude]) or else the middle of the data.
 //!
 //! What is not GeoJSON is an error; what is GeoJSON but no usable town (open or crossing rings,
-//! overlaps, odd heights) is repaired or left out with a warning. Both name the feature.
+//! overlaps, odd heights) is repaired or left out with a warning. Both name the feature, and
+//! [`Map::count`] has what became of every one.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | `document` | text to features |
+//! | `crs` | the coordinate reference system that a file names |
+//! | `kind` | what a feature is |
+//! | `length`, `height` | how high a building is |
+//! | `parts` | buildings and their parts |
+//! | `town` | all of it projected, repaired, clipped, disjoint |
 
 use ::geojson::{Feature, GeometryValue, Position, feature};
 use csat_proto::model::Ground;
 use serde_json::{Map as JsonObject, Value};
 
+use super::count::{FeatureCount, LeftOut};
 use super::project::TangentPlane;
 use super::report::{FeatureRef, MapError, MapWarning};
-use super::{Map, MapRules};
+use super::{Map, MapRules, Untagged};
 use crate::plane::Bounds;
+use kind::{Kind, kind_of};
 
+mod crs;
+mod document;
+mod height;
+mod kind;
+mod length;
+mod parts;
 mod town;
 
-/// Values of `highway` that cars use; links (`primary_link`) included.
-const DRIVABLE: [&str; 11] = [
-    "motorway",
-    "trunk",
-    "primary",
-    "secondary",
-    "tertiary",
-    "unclassified",
-    "residential",
-    "living_street",
-    "service",
-    "road",
-    "busway",
-];
+pub use document::without_mark;
 
-/// Reads a town from GeoJSON text: the part of it inside `ground`, tops below the flights.
+/// So many features that are none are named one by one.
+const NAMED: usize = 8;
+
+/// Reads a town from GeoJSON text (one document, or a sequence of them): the part of it inside
+/// `ground`, tops below the flights. `untagged` says what polygons without tags are.
 ///
 /// # Errors
-/// Every mistake at once: not JSON, not a feature collection, features that are none, positions
-/// that are no longitude and latitude.
-pub fn import(text: &str, ground: Ground, rules: &MapRules) -> Result<Map, Vec<MapError>> {
-    let document: Value = serde_json::from_str(text)
-        .map_err(|e| vec![MapError::NotJson { reason: e.to_string() }])?;
-    let (collection, features) = features_of(&document).map_err(|e| vec![e])?;
+/// Every mistake at once: not JSON, not GeoJSON, features that are none, positions that are no
+/// longitude and latitude, and polygons of which none is tagged as a building, if `untagged` is `None`.
+pub fn import(
+    text: &str,
+    ground: Ground,
+    rules: &MapRules,
+    untagged: Option<Untagged>,
+) -> Result<Map, Vec<MapError>> {
+    let document = document::read(text).map_err(|e| vec![e])?;
+    let members = &document.members;
     let mut errors = Vec::new();
-    let parsed = parse(features, &mut errors);
-    let centre = match collection.get("center").map(|v| (v, position_of(v))) {
+    let mut count = FeatureCount { features: document.features.len(), ..FeatureCount::default() };
+    let parsed = parse(&document, untagged, &mut count, &mut errors);
+    let centre = match members.get("center").map(|v| (v, position_of(v))) {
         None => None,
         Some((_, Some(centre))) => Some(centre),
         Some((value, None)) => {
@@ -52,6 +67,12 @@ pub fn import(text: &str, ground: Ground, rules: &MapRules) -> Result<Map, Vec<M
             None
         }
     };
+    let is_building = |p: &Parsed| p.kind != Kind::Road;
+    if let (None, Some(polygons)) = (untagged, count.reasons.get(&LeftOut::Untagged))
+        && !parsed.iter().any(is_building)
+    {
+        errors.push(MapError::Untagged { feature: polygons[0].clone(), count: polygons.len() });
+    }
     if !errors.is_empty() {
         return Err(errors);
     }
@@ -62,25 +83,8 @@ pub fn import(text: &str, ground: Ground, rules: &MapRules) -> Result<Map, Vec<M
         got
     });
     let plane = TangentPlane::new(centre);
-    let attribution = collection.get("attribution").and_then(Value::as_str).map(str::to_owned);
-    Ok(town::Town { plane, ground, rules, warnings }.build(&parsed, attribution))
-}
-
-/// The members of a feature collection and its features.
-fn features_of(document: &Value) -> Result<(&JsonObject<String, Value>, &[Value]), MapError> {
-    let got = |got: String| Err(MapError::NotCollection { got });
-    let Some(collection) = document.as_object() else {
-        return got("a document that is not an object".into());
-    };
-    match collection.get("type").and_then(Value::as_str) {
-        Some("FeatureCollection") => {}
-        Some(other) => return got(format!("a {other}")),
-        None => return got("an object without type".into()),
-    }
-    match collection.get("features").and_then(Value::as_array) {
-        Some(features) => Ok((collection, features)),
-        None => got("a FeatureCollection without features".into()),
-    }
+    let attribution = members.get("attribution").and_then(Value::as_str).map(str::to_owned);
+    Ok(town::Town { plane, ground, rules, count, warnings }.build(&parsed, attribution))
 }
 
 /// A feature that matters to a town.
@@ -88,41 +92,88 @@ struct Parsed {
     reference: FeatureRef,
     kind: Kind,
     properties: JsonObject<String, Value>,
-    geometry: Option<GeometryValue>,
+    geometry: GeometryValue,
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    Building,
-    Road,
-}
-
-/// The buildings and roads among `features`.
-fn parse(features: &[Value], errors: &mut Vec<MapError>) -> Vec<Parsed> {
+/// The buildings and roads of a document; the others are counted.
+fn parse(
+    document: &document::Document,
+    untagged: Option<Untagged>,
+    count: &mut FeatureCount,
+    errors: &mut Vec<MapError>,
+) -> Vec<Parsed> {
     let mut parsed = Vec::new();
-    for (index, value) in features.iter().enumerate() {
+    let (mut broken, mut misplaced) = (0, Vec::new());
+    for (index, value) in document.features.iter().enumerate() {
         let reference = reference_to(index, value);
-        let result = serde_json::from_value::<Feature>(value.clone());
-        let feature = match result {
+        let feature = match feature_of(value) {
             Ok(feature) => feature,
-            Err(e) => {
-                let reason = e.to_string();
-                errors.push(MapError::BadFeature { feature: reference, reason });
+            Err(reason) => {
+                broken += 1;
+                if broken <= NAMED {
+                    errors.push(MapError::BadFeature { feature: reference, reason });
+                }
                 continue;
             }
         };
         let properties = feature.properties.unwrap_or_default();
-        let Some(kind) = kind_of(&properties) else { continue };
         let geometry = feature.geometry.map(|g| g.value);
-        let bad = geometry.iter().flat_map(positions).find(|p| !is_lon_lat(p.as_slice()));
-        if let Some(bad) = bad {
-            let got = bad.as_slice().to_vec();
-            errors.push(MapError::BadPosition { feature: reference, got });
-            continue;
+        let kind = kind_of(&properties, geometry.as_ref(), untagged);
+        if matches!(kind, Ok(_) | Err(LeftOut::Untagged)) {
+            let mut all = geometry.iter().flat_map(positions);
+            if let Some(bad) = all.find(|p| !is_lon_lat(p.as_slice())) {
+                misplaced.push((reference, bad.as_slice().to_vec()));
+                continue;
+            }
         }
-        parsed.push(Parsed { reference, kind, properties, geometry });
+        let usable = kind.and_then(|kind| Ok((kind, extent(geometry, value)?)));
+        match usable {
+            Ok((kind, geometry)) => parsed.push(Parsed { reference, kind, properties, geometry }),
+            Err(reason) => count.leave_out(reason, &reference),
+        }
+    }
+    if broken > NAMED {
+        errors.push(MapError::MoreBadFeatures { count: broken - NAMED });
+    }
+    let (bad, features) = (misplaced.len(), document.features.len());
+    let objects = std::iter::once(&document.members).chain(&document.features);
+    if let Some(got) = objects.filter_map(crs::foreign).next() {
+        errors.push(MapError::ForeignCrs { got, features, bad });
+    } else if let Some((feature, got)) = misplaced.into_iter().next() {
+        errors.push(MapError::BadPosition { feature, got, count: bad });
     }
     parsed
+}
+
+/// The feature; without its geometry when that has no positions, of which the parser cannot tell the
+/// dimensions.
+fn feature_of(value: &Value) -> Result<Feature, String> {
+    let mut value = value.clone();
+    let is_known = |kind: &str| document::GEOMETRIES.contains(&kind);
+    if value.pointer("/geometry/type").and_then(Value::as_str).is_some_and(is_known)
+        && value.pointer("/geometry/coordinates").is_some_and(is_hollow)
+    {
+        value["geometry"] = Value::Null;
+    }
+    let feature = serde_json::from_value::<Feature>(value).map_err(|e| e.to_string())?;
+    if feature.geometry.iter().flat_map(|g| positions(&g.value)).any(|p| p.len() < 2) {
+        return Err("a position of fewer than two numbers".into());
+    }
+    Ok(feature)
+}
+
+/// Whether there is nothing in a list, or only such lists.
+fn is_hollow(coordinates: &Value) -> bool {
+    coordinates.as_array().is_some_and(|list| list.iter().all(is_hollow))
+}
+
+/// A geometry that has positions; `feature` is what it was read from.
+fn extent(geometry: Option<GeometryValue>, feature: &Value) -> Result<GeometryValue, LeftOut> {
+    match (geometry, feature.pointer("/geometry/type").and_then(Value::as_str)) {
+        (Some(geometry), _) if !positions(&geometry).is_empty() => Ok(geometry),
+        (_, Some(got)) => Err(LeftOut::EmptyGeometry { got: got.to_owned() }),
+        (_, None) => Err(LeftOut::NoGeometry),
+    }
 }
 
 fn reference_to(index: usize, feature: &Value) -> FeatureRef {
@@ -133,19 +184,6 @@ fn reference_to(index: usize, feature: &Value) -> FeatureRef {
     };
     let name = feature.get("properties").and_then(|p| p.get("name")).and_then(Value::as_str);
     FeatureRef { index, id, name: name.map(str::to_owned) }
-}
-
-fn kind_of(properties: &JsonObject<String, Value>) -> Option<Kind> {
-    let tag = |key| properties.get(key).and_then(Value::as_str);
-    // Exporters write `"building": true` as well as `"building": "yes"`.
-    let flag = properties.get("building").and_then(Value::as_bool);
-    if flag == Some(true) || tag("building").is_some_and(|v| v != "no") {
-        return Some(Kind::Building);
-    }
-    let highway = tag("highway")?;
-    let underground = tag("tunnel").is_some_and(|v| v != "no");
-    let drivable = DRIVABLE.contains(&highway.trim_end_matches("_link"));
-    (drivable && !underground).then_some(Kind::Road)
 }
 
 fn is_lon_lat(p: &[f64]) -> bool {
@@ -178,7 +216,7 @@ fn positions(geometry: &GeometryValue) -> Vec<&Position> {
 
 /// The middle of the data, [longitude, latitude] in degrees.
 fn middle(parsed: &[Parsed]) -> [f64; 2] {
-    let all = parsed.iter().filter_map(|p| p.geometry.as_ref()).flat_map(positions);
+    let all = parsed.iter().flat_map(|p| positions(&p.geometry));
     Bounds::around(all.map(|p| [p[0], p[1]]))
         .map_or([0.0; 2], |b| [(b.min[0] + b.max[0]) / 2.0, (b.min[1] + b.max[1]) / 2.0])
 }

@@ -1,0 +1,141 @@
+//! What a feature is to a town, by its tags.
+
+use ::geojson::GeometryValue;
+use serde_json::{Map as JsonObject, Value};
+
+use super::super::Untagged;
+use super::super::count::LeftOut;
+
+/// Values of `highway` that cars use; links (`primary_link`) included.
+const DRIVABLE: [&str; 11] = [
+    "motorway",
+    "trunk",
+    "primary",
+    "secondary",
+    "tertiary",
+    "unclassified",
+    "residential",
+    "living_street",
+    "service",
+    "road",
+    "busway",
+];
+
+/// Keys that say what an area is when it is no building (OpenStreetMap wiki, *Map features*).
+const OTHER_AREAS: [&str; 28] = [
+    "aerialway",
+    "aeroway",
+    "amenity",
+    "area:highway",
+    "barrier",
+    "boundary",
+    "craft",
+    "emergency",
+    "geological",
+    "healthcare",
+    "highway",
+    "historic",
+    "indoor",
+    "landuse",
+    "leisure",
+    "man_made",
+    "military",
+    "natural",
+    "office",
+    "place",
+    "power",
+    "public_transport",
+    "railway",
+    "shop",
+    "sport",
+    "tourism",
+    "water",
+    "waterway",
+];
+
+/// A feature that a town is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Kind {
+    /// A whole building.
+    Building,
+    /// A part of one with a height of its own.
+    Part,
+    /// A road for cars.
+    Road,
+}
+
+/// What a feature is, or why it is nothing to a town.
+pub(super) fn kind_of(
+    properties: &JsonObject<String, Value>,
+    geometry: Option<&GeometryValue>,
+    untagged: Option<Untagged>,
+) -> Result<Kind, LeftOut> {
+    let text = |key| properties.get(key).and_then(Value::as_str);
+    let building = Tag::of(properties, "building");
+    let part = Tag::of(properties, "building:part");
+    if building == Tag::Yes || part == Tag::Yes {
+        let kind = if building == Tag::Yes { Kind::Building } else { Kind::Part };
+        return if text("location") == Some("underground") {
+            Err(LeftOut::Underground)
+        } else {
+            Ok(kind)
+        };
+    }
+    if let Some(highway) = text("highway") {
+        let drivable = DRIVABLE.contains(&highway.trim_end_matches("_link"));
+        return match text("tunnel") {
+            _ if !drivable => Err(LeftOut::NotDrivable),
+            Some(tunnel) if tunnel != "no" => Err(LeftOut::Tunnel),
+            _ => Ok(Kind::Road),
+        };
+    }
+    for (key, tag) in [("building", &building), ("building:part", &part)] {
+        if let Tag::Odd(got) = tag {
+            return Err(LeftOut::OddTag { key, got: got.clone() });
+        }
+    }
+    if building == Tag::No || part == Tag::No {
+        return Err(LeftOut::NotABuilding);
+    }
+    let is_area = matches!(
+        geometry,
+        Some(GeometryValue::Polygon { .. } | GeometryValue::MultiPolygon { .. })
+    );
+    let is_said = |key: &&str| Tag::of(properties, key) != Tag::None;
+    match untagged {
+        _ if !is_area || OTHER_AREAS.iter().any(is_said) => Err(LeftOut::OtherKind),
+        Some(Untagged::Buildings) => Ok(Kind::Building),
+        _ => Err(LeftOut::Untagged),
+    }
+}
+
+#[derive(PartialEq)]
+enum Tag {
+    None,
+    Yes,
+    No,
+    Odd(String),
+}
+
+impl Tag {
+    /// Exporters write `"building": true` as well as `"building": "yes"`, and empty text or null for
+    /// a column that a feature lacks.
+    fn of(properties: &JsonObject<String, Value>, key: &str) -> Self {
+        match properties.get(key) {
+            None | Some(Value::Null) => Self::None,
+            Some(Value::Bool(flag)) => {
+                if *flag {
+                    Self::Yes
+                } else {
+                    Self::No
+                }
+            }
+            Some(Value::String(text)) => match text.as_str() {
+                "" => Self::None,
+                "no" | "false" => Self::No,
+                _ => Self::Yes,
+            },
+            Some(other) => Self::Odd(other.to_string()),
+        }
+    }
+}
