@@ -601,7 +601,7 @@ fn every_feature_is_accounted_for() {
     assert_eq!(map.count.reasons.len(), 14, "{}", map.count);
     assert!(left_out(&map).iter().all(|(_, count)| *count == 1), "{}", map.count);
     let text = map.count.to_string();
-    let first = "features: 17 = 1 buildings + 1 building parts + 1 roads + 14 left out";
+    let first = "features: 17 = 1 building + 1 building part + 1 road + 14 left out";
     assert_eq!(text.lines().next(), Some(first));
     assert_eq!(text.lines().count(), 15);
 }

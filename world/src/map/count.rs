@@ -129,12 +129,12 @@ impl fmt::Display for FeatureCount {
     /// The sum, then a line per reason.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { features, buildings, parts, roads, reasons } = self;
-        let left_out = self.left_out();
-        write!(
-            f,
-            "features: {features} = {buildings} buildings + {parts} building parts + {roads} roads + \
-             {left_out} left out"
-        )?;
+        let counted =
+            |count: usize, thing| format!("{count} {thing}{}", if count == 1 { "" } else { "s" });
+        let (buildings, parts) =
+            (counted(*buildings, "building"), counted(*parts, "building part"));
+        let (roads, left_out) = (counted(*roads, "road"), self.left_out());
+        write!(f, "features: {features} = {buildings} + {parts} + {roads} + {left_out} left out")?;
         reasons.iter().try_for_each(|(reason, which)| write!(f, "\n{:>7} {reason}", which.len()))
     }
 }
