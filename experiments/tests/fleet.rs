@@ -94,6 +94,7 @@ fn in_real_time_nobody_waits_and_the_guarantee_holds() {
     assert_eq!((&summary["violations"], &summary["steps"]), (&0.into(), &20.into()));
     assert!(summary["wall_s"].as_f64().unwrap() >= 2.5, "{}", summary["wall_s"]);
     assert!(summary["messages"]["delivered"].as_u64().unwrap() > 0);
+    assert_eq!(summary["refused"], json!({}), "nothing but the fleet's own was said");
     expect_nobody(&endpoint);
 }
 
@@ -129,6 +130,7 @@ fn a_killed_agent_is_noticed_and_comes_back() {
     assert!(back.is_some_and(|line| line.ends_with("\"incarnation\":1}")), "{events}");
     let summary = json(&folder.path().join("out/summary.json"));
     assert_eq!(summary["violations"], 0);
+    assert_eq!(summary["refused"], json!({}), "nothing but the fleet's own was said");
     // Links count on across the processes at their ends.
     let mut links = csv::Reader::from_path(folder.path().join("out/links.csv")).unwrap();
     let column = links.headers().unwrap().iter().position(|name| name == "sent").unwrap();

@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
-use common::{command, csat, read, scratch, skipped, text};
+use common::{command, csat, read, scratch, text};
 use csat_experiments::timing::Stopwatch;
 
 /// Long enough for some seconds of flight on a machine that has other things to do.
@@ -20,21 +20,7 @@ const LIMIT: Duration = Duration::from_secs(120);
 
 /// A Python that can play the world; `None`, said loudly, if there is none.
 fn python() -> Option<String> {
-    let promised = std::env::var("CSAT_PYTHON").ok();
-    let python = promised.clone().unwrap_or_else(|| "python3".to_owned());
-    let tried = Command::new(&python).args(["-c", "import numpy, tomllib, zenoh"]).output();
-    let reason = match tried {
-        Ok(output) if output.status.success() => return Some(python),
-        Ok(output) => text(&output.stderr).lines().last().unwrap_or_default().to_owned(),
-        Err(error) => error.to_string(),
-    };
-    let message = format!(
-        "`{python}` cannot play the world ({reason}); `python3 -m venv DIR && DIR/bin/pip install \
-         eclipse-zenoh==1.10.2 numpy`, then CSAT_PYTHON=DIR/bin/python"
-    );
-    assert!(promised.is_none(), "CSAT_PYTHON: {message}");
-    skipped(&message);
-    None
+    common::python(&["numpy", "tomllib", "zenoh"], "eclipse-zenoh==1.10.2 numpy")
 }
 
 /// An endpoint that nobody listens on.

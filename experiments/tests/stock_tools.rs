@@ -10,23 +10,10 @@ use std::process::{Command, Stdio};
 use common::fleet::{end, endpoint, expect_nobody, signal, spawn, wait_for_flight};
 use common::{scratch, text};
 
-/// A Python with eclipse-zenoh, zenoh-cli and shapely: `CSAT_PYTHON`, else python3.
+/// A Python with Zenoh's tools and shapely.
 fn python() -> Option<PathBuf> {
-    let promised = std::env::var_os("CSAT_PYTHON").map(PathBuf::from);
-    let python = promised.clone().unwrap_or_else(|| "python3".into());
-    let imports = ["-c", "import zenoh, zenoh_cli, shapely"];
-    let probe = Command::new(&python).args(imports).stderr(Stdio::null()).status();
-    if probe.is_ok_and(|status| status.success()) {
-        return Some(python);
-    }
-    let message = format!(
-        "{} has no zenoh, zenoh_cli and shapely; `pip install eclipse-zenoh==1.10.2 zenoh-cli \
-         shapely` and CSAT_PYTHON=…/bin/python",
-        python.display()
-    );
-    assert!(promised.is_none(), "CSAT_PYTHON: {message}");
-    common::skipped(&message);
-    None
+    let packages = "eclipse-zenoh==1.10.2 zenoh-cli shapely";
+    common::python(&["zenoh", "zenoh_cli", "shapely"], packages).map(PathBuf::from)
 }
 
 /// Runs a command until it has written that many lines, or ends.

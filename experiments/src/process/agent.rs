@@ -7,6 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
+use csat_proto::agent::FIRST_ANSWER;
 use csat_proto::camera::CameraModel;
 use csat_proto::control::{
     Done, FrameHeader, HeaderError, Order, PROTOCOL, Pace, Probe, Ready, SaidSoFar, Welcome,
@@ -474,7 +475,8 @@ impl Shell {
     fn catch_up(&mut self, agent: AgentId, bytes: Vec<u8>) {
         tracing::debug!(own = %self.id, %agent, bytes = bytes.len(), "answers");
         match ether::read(agent, bytes) {
-            Ok((said, _)) => self.seat.hear(&said),
+            Ok((said, _)) if said.sequence >= FIRST_ANSWER => self.seat.hear(&said),
+            Ok(_) => self.desk.refusals().count("message", &"an answer numbered as a message"),
             Err(error) => self.desk.refusals().count("message", &error),
         }
     }

@@ -138,6 +138,10 @@ impl Ether {
     ) -> Result<(), EtherError> {
         let (said, step) = read(key, bytes)?;
         let (from, number) = (said.src, said.sequence);
+        let max = number_limit(step);
+        if number >= max {
+            return Err(EtherError::Number { from, number, step, max });
+        }
         if let Some(newest) = newest.filter(|newest| step.0 > newest.0.saturating_add(MAX_AHEAD)) {
             return Err(EtherError::Ahead { from, step, newest });
         }
@@ -210,16 +214,12 @@ impl Ether {
 /// What the header of a message that came under the key of `key` says, and its step.
 ///
 /// # Errors
-/// When it is no message, another agent's, or one that no agent can have said.
+/// When it is no message, or another agent's.
 pub fn read(key: AgentId, bytes: Vec<u8>) -> Result<(Said, Step), EtherError> {
     let envelope = Envelope::decode(&bytes)?;
     let Envelope { src, incarnation, channel, sequence, step, time, pose, .. } = envelope;
     if src != key {
         return Err(EtherError::Forged { got: src, key });
-    }
-    let max = number_limit(step);
-    if sequence >= max {
-        return Err(EtherError::Number { from: src, number: sequence, step, max });
     }
     let bytes = Arc::from(bytes);
     Ok((Said { src, incarnation, channel, sequence, time, p_world: pose.p_world, bytes }, step))

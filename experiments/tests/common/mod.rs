@@ -76,6 +76,29 @@ pub fn json(path: &Path) -> serde_json::Value {
     serde_json::from_str(&read(path)).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
+/// A Python 3.11 or newer with some modules, which these packages have: `CSAT_PYTHON`, or else `python3`;
+/// `None`, said loudly, if there is none.
+///
+/// # Panics
+/// When `CSAT_PYTHON` promises it and has them not.
+pub fn python(modules: &[&str], packages: &str) -> Option<String> {
+    let promised = std::env::var("CSAT_PYTHON").ok();
+    let python = promised.clone().unwrap_or_else(|| "python3".to_owned());
+    let imports = format!("import {}", modules.join(", "));
+    let reason = match Command::new(&python).args(["-c", &imports]).output() {
+        Ok(output) if output.status.success() => return Some(python),
+        Ok(output) => text(&output.stderr).lines().last().unwrap_or_default().to_owned(),
+        Err(error) => error.to_string(),
+    };
+    let message = format!(
+        "`{python}` does not do ({reason}); `python3 -m venv DIR && DIR/bin/pip install {packages}`, then \
+         CSAT_PYTHON=DIR/bin/python"
+    );
+    assert!(promised.is_none(), "CSAT_PYTHON: {message}");
+    skipped(&message);
+    None
+}
+
 /// Says that a test could not look at anything: not by `eprintln!`, which the harness keeps to itself.
 pub fn skipped(why: &str) {
     let _ = writeln!(std::io::stderr(), "SKIPPED: {why}");

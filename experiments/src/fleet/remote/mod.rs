@@ -6,6 +6,7 @@
 //! | [`roster`] | which processes there are, and whether all hear each other |
 //! | [`account`] | what a process tells at the end of a step |
 //! | [`silence`] | since when nothing is heard of a process |
+//! | [`now`] | what an answer must be of to be believed |
 //! | [`ended`] | what the links of processes that are gone did |
 //!
 //! In lockstep a step is a frame for each agent, then turns until nothing is left for the instant,
@@ -14,6 +15,7 @@
 
 pub mod account;
 pub mod ended;
+pub mod now;
 pub mod port;
 pub mod roster;
 pub mod silence;
@@ -26,13 +28,14 @@ use std::time::Duration;
 use csat_netem::counters::{Counters, LinkCounters};
 use csat_netem::link::LinkId;
 use csat_proto::control::{Done, FrameHeader, Order, Pace, SaidSoFar};
-use csat_proto::ids::{AgentId, Incarnation};
+use csat_proto::ids::AgentId;
 use csat_proto::time::{SimTime, Step};
 use csat_world::camera::Renderer;
 use rayon::prelude::*;
 
 use self::account::{Account, Asked};
 use self::ended::Ended;
+use self::now::Now;
 use self::port::{News, Port};
 use self::roster::Roster;
 use self::silence::Silence;
@@ -127,18 +130,6 @@ pub struct RemoteFleet<M: Mission> {
     now: Now,
 }
 
-/// How far the world is: what an answer must be of to be believed.
-#[derive(Debug, Default)]
-struct Now {
-    step: Step,
-    /// Lockstep: the turn that is taken, 0 for the frame.
-    round: u32,
-    /// What agents were asked for last in this step.
-    asked: Option<Asked>,
-    /// The life of each agent, by index.
-    lives: Vec<Option<Incarnation>>,
-}
-
 impl<M: Mission> RemoteFleet<M> {
     /// A fleet that nobody has joined yet. Whoever is waited for longer than `patience` is named in
     /// an error.
@@ -168,7 +159,7 @@ impl<M: Mission> RemoteFleet<M> {
             clock: None,
             restarts: None,
             deserted: None,
-            now: Now::default(),
+            now: Now::new(pace),
         }
     }
 
@@ -251,36 +242,10 @@ impl<M: Mission> RemoteFleet<M> {
         member.commands.extend(done.commands);
     }
 
-    /// The first answer to what was asked counts, if it can be one.
     fn check_done(&self, agent: AgentId, done: &Done) -> Result<(), String> {
         self.check_process(agent, done.process)?;
-        let Now { step, round, ref lives, .. } = self.now;
-        let (index, got) = (usize::from(agent.0), (done.step, done.round));
-        match self.pace {
-            Pace::Lockstep if got != (step, round) || self.members[index].done == Some(got) => {
-                return Err(format!(
-                    "turn {} of step {}, expected {round} of {step}",
-                    got.1, got.0
-                ));
-            }
-            Pace::Realtime(_) if done.step > step => {
-                return Err(format!("step {} at step {step}", done.step));
-            }
-            _ => {}
-        }
-        let Some(said) = &done.said else { return Ok(()) };
-        let before = self.members[index].said.as_ref();
-        let goes_on =
-            before.filter(|before| before.incarnation == said.incarnation).is_none_or(|before| {
-                said.next.iter().zip(&before.next).all(|(next, before)| next >= before)
-            });
-        let is_own = said.agent == agent && lives.get(index) == Some(&Some(said.incarnation));
-        // In real time it may not know yet that it is another life.
-        let is_own = is_own || self.pace != Pace::Lockstep && said.agent == agent;
-        if is_own && goes_on && said.is_possible(step) {
-            return Ok(());
-        }
-        Err(format!("it cannot have said {:?} in life {}", said.next, said.incarnation))
+        let Member { done: last, said, .. } = &self.members[usize::from(agent.0)];
+        self.now.check_done(agent, *last, said.as_ref(), done)
     }
 
     fn check_process(&self, agent: AgentId, process: u64) -> Result<(), String> {
@@ -292,38 +257,22 @@ impl<M: Mission> RemoteFleet<M> {
 
     fn account(&mut self, agent: AgentId, bytes: &[u8]) {
         let account = Account::<M::Report>::decode(bytes).map_err(|error| error.to_string());
-        match account.and_then(|account| self.check_account(agent, account)) {
-            Ok(account) => {
+        let checked = account.and_then(|account| {
+            self.check_process(agent, account.head.process)?;
+            self.now.check_report(&account.head)?;
+            Ok(account)
+        });
+        match checked {
+            Ok(account) if self.now.is_all(&account.head) => {
                 let member = &mut self.members[usize::from(agent.0)];
                 member.account = Some(account);
                 (member.is_new, member.is_heard) = (true, true);
             }
+            Ok(_) => {}
             Err(reason) => {
                 self.port.refusals().count("report", &format!("UAV {agent}: {reason}"));
             }
         }
-    }
-
-    /// A report is of what was asked for: in lockstep after the last turn, so that one that was asked for
-    /// by another is never taken for it.
-    fn check_account(
-        &self,
-        agent: AgentId,
-        account: Account<M::Report>,
-    ) -> Result<Account<M::Report>, String> {
-        let head = &account.head;
-        self.check_process(agent, head.process)?;
-        let Now { step, round, asked, .. } = self.now;
-        let is_expected = match self.pace {
-            Pace::Lockstep => (head.step, head.round, Some(head.asked)) == (step, round, asked),
-            Pace::Realtime(_) => {
-                head.step <= step && (head.asked == Asked::All) == (asked == Some(Asked::All))
-            }
-        };
-        if is_expected {
-            return Ok(account);
-        }
-        Err(format!("of turn {} of step {}, at {round} of {step}", head.round, head.step))
     }
 
     /// A process is gone, and with it what was on its way to it.
@@ -555,7 +504,7 @@ impl<M: Mission> Fleet<M> for RemoteFleet<M> {
             let period_s = brief.next.seconds_since(brief.now);
             self.pass_time(f64::from(brief.step.0), period_s, speed);
         }
-        self.now = Now { step: brief.step, lives: brief.lives.clone(), ..Now::default() };
+        self.now.begin(brief.step, &brief.lives);
         self.show_frames(brief);
         match self.pace {
             Pace::Lockstep => self.fly_lockstep(brief)?,
