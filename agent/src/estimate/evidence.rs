@@ -78,17 +78,23 @@ impl Ager {
     }
 
     /// The disc a target may move in between two steps of two clocks; `None` if it cannot have moved.
-    /// `forgotten` is the mistake of not knowing that the clocks may differ.
-    pub fn reach(&self, a: Step, b: Step, forgotten: Mutant) -> Option<Reach> {
+    pub fn reach(&self, a: Step, b: Step) -> Option<Reach> {
         let age_s = f64::from(a.0.abs_diff(b.0)) * self.period_s;
-        let skew_s = if is_on(forgotten) { 0.0 } else { self.clock_skew_s };
-        let radius_m = self.v_max_m_s * (age_s + skew_s);
+        let radius_m = self.v_max_m_s * (age_s + self.clock_skew_s);
         (radius_m > 0.0).then(|| Reach::new(radius_m, self.vertices))
+    }
+
+    /// The same, unless the mistake is made of taking all clocks for one.
+    pub(super) fn reach_unless(&self, mistake: Mutant, a: Step, b: Step) -> Option<Reach> {
+        match is_on(mistake) {
+            true => Self { clock_skew_s: 0.0, ..self.clone() }.reach(a, b),
+            false => self.reach(a, b),
+        }
     }
 
     /// What a fact proves at step `now`.
     pub fn evidence(&self, fact: &Fact, now: Step) -> Evidence {
-        let reach = self.reach(now, fact.step, Mutant::ClockSkewOfFactsIgnored);
+        let reach = self.reach_unless(Mutant::ClockSkewOfFactsIgnored, now, fact.step);
         let reach = reach.as_ref();
         let unless = |mutant| reach.filter(|_| !is_on(mutant));
         let targets = fact.targets.iter().map(|seen| MeasuredTarget {

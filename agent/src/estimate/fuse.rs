@@ -36,7 +36,10 @@ pub(super) fn fuse<'a>(
 fn merge(knowledge: &mut Knowledge, before: &Knowledge, known: &Known, ager: &Ager) {
     let reach = match is_on(Mutant::LateSnapshotNotDilated) {
         true => None,
-        false => ager.reach(knowledge.step, known.step, Mutant::ClockSkewOfSnapshotsIgnored),
+        false => {
+            let mistake = Mutant::ClockSkewOfSnapshotsIgnored;
+            ager.reach_unless(mistake, knowledge.step, known.step)
+        }
     };
     let meet = |own: &Outer, before: &Outer, their: &Region| {
         if reach.is_none() && before.region() == their {

@@ -202,13 +202,11 @@ fn the_map_moves_and_zooms(browser: &mut Browser) {
     assert_eq!(browser.value("camera.touched"), true);
     browser.click("#fit");
     assert_eq!(picture(browser, "ground"), before);
-    for (smaller, larger) in [("#zoom-out", "#zoom-in")] {
-        let scale = number(browser, "camera.scale");
-        browser.click(larger);
-        assert!((number(browser, "camera.scale") / scale - 1.4).abs() < 1e-9);
-        browser.click(smaller);
-        assert!((number(browser, "camera.scale") / scale - 1.0).abs() < 1e-9);
-    }
+    let scale = number(browser, "camera.scale");
+    browser.click("#zoom-in");
+    assert!((number(browser, "camera.scale") / scale - 1.4).abs() < 1e-9);
+    browser.click("#zoom-out");
+    assert!((number(browser, "camera.scale") / scale - 1.0).abs() < 1e-9);
     // The wheel zooms about the pointer.
     let at = browser.pixel("#fleet", [0.25, 0.25]);
     let under = "toWorld([camera.width / 4, camera.height / 4])";
