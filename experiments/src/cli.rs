@@ -1,8 +1,13 @@
 //! The command line of `csat`.
 
+pub mod advice;
+mod examples;
+
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+use clap_complete::Shell;
 
 use crate::plot::Whose;
 use crate::process::arguments::{AgentArguments, WorldArguments, speed};
@@ -37,6 +42,8 @@ Examples:
   csat run --record && csat replay runs/city-seed1 --speed 10
   csat compare runs/city-seed1 runs/city-seed2
   csat plot runs/city-seed1                 draw the pictures of a run again
+  csat keys agents                          what --set can change, with defaults and units
+  csat scenarios city > my.toml             a file of your own to begin with
 
 Exit codes:
   0    done
@@ -49,12 +56,16 @@ Exit codes:
 #[derive(Debug, Clone, Subcommand)]
 pub enum Command {
     /// Fly one mission in this process, in virtual time, as fast as it goes
+    #[command(after_help = examples::RUN)]
     Run(RunArguments),
     /// Fly one mission as a world and its agents in processes of their own, each a Zenoh peer
+    #[command(after_help = examples::SPAWN)]
     Spawn(SpawnArguments),
     /// Fly the world's side of a mission whose agents are processes of their own
+    #[command(after_help = examples::WORLD)]
     World(WorldArguments),
     /// Fly one agent of a mission whose world is another process
+    #[command(after_help = examples::AGENT)]
     Agent(AgentArguments),
     /// Fly every combination of values with every seed; tables, plots and a report
     Sweep(SweepArguments),
@@ -63,8 +74,10 @@ pub enum Command {
     /// Put two runs, two sweeps or two reproductions side by side
     Compare(CompareArguments),
     /// Report every mistake of a scenario at once; flies nothing
+    #[command(after_help = examples::CHECK)]
     Check(ScenarioArguments),
     /// Play a recording again for whoever listens on Zenoh, at its own pace or another
+    #[command(after_help = examples::REPLAY)]
     Replay(ReplayArguments),
     /// Show a fleet that flies, or a recorded run, as a live map in the browser
     Watch(WatchArguments),
@@ -73,13 +86,45 @@ pub enum Command {
     /// Tell who is in the network, what they say, and why a subscriber hears nothing
     Doctor(DoctorArguments),
     /// Draw the pictures of a run folder again, from its view.json, summary.json and metrics.csv
+    #[command(after_help = examples::PLOT)]
     Plot {
         /// The run folder
+        #[arg(value_hint = ValueHint::DirPath)]
         dir: PathBuf,
         /// Draw what agent N knew at the end as map-agent-N.svg instead, or with `all` every agent as
         /// map-agents.svg; map.svg shows agent 0
         #[arg(long, value_name = "N|all")]
         agent: Option<Whose>,
+    },
+    /// List the shipped scenarios, or print one
+    #[command(after_help = examples::SCENARIOS)]
+    Scenarios {
+        /// The one whose TOML to print
+        #[arg(value_parser = PossibleValuesParser::new(shipped::scenario_names()))]
+        name: Option<String>,
+    },
+    /// List the keys of a scenario with default, unit, what they may be and what they mean
+    #[command(after_help = examples::KEYS)]
+    Keys {
+        /// Only those whose path begins so, such as netem.radio
+        #[arg(default_value = "", hide_default_value = true)]
+        prefix: String,
+        /// As JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print what makes a shell complete the words of `csat`
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions {
+        /// Which shell
+        shell: Shell,
+    },
+    /// Print the manual page, or write those of all commands
+    #[command(after_help = examples::MAN)]
+    Man {
+        /// Write csat.1, csat-run.1 and so on into this folder
+        #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+        out: Option<PathBuf>,
     },
 }
 
@@ -87,7 +132,7 @@ pub enum Command {
 #[derive(Debug, Clone, Args)]
 pub struct ScenarioArguments {
     /// A shipped scenario or a TOML file.
-    #[arg(help = shipped::scenario_help())]
+    #[arg(help = shipped::scenario_help(), value_hint = ValueHint::FilePath)]
     pub scenario: Option<String>,
     /// Change one value, such as agents.count=6; may be repeated, later ones win
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -141,7 +186,8 @@ pub struct ReplayArguments {
 #[command(after_help = SWEEP_HELP)]
 pub struct SweepArguments {
     /// A shipped scenario or a TOML file.
-    #[arg(help = shipped::scenario_help(), conflicts_with = "merge")]
+    #[arg(help = shipped::scenario_help(), value_hint = ValueHint::FilePath)]
+    #[arg(conflicts_with = "merge")]
     pub scenario: Option<String>,
     /// Values of a key, separated by commas; may be repeated for every combination
     #[arg(long, value_name = "KEY=A,B,C", conflicts_with = "merge")]
@@ -250,6 +296,11 @@ pub enum Published {
 }
 
 const REPRODUCE_HELP: &str = "\
+Examples:
+  csat reproduce chapter5
+  csat reproduce table1 --seeds 1..3 --duration 60 --jobs 2
+  csat reproduce chapter4 --out reproductions/look
+
 DIR holds report.html (tables and plots, needs no network) and tables.txt; chapter5 and table1 are
 sweeps, so it also holds what `csat sweep --keep-runs` leaves: sweep.json, runs/, folders/, sweep.csv
 and sweep_means.csv.
@@ -262,6 +313,11 @@ Exit codes:
   130  ended early by Ctrl-C: the same command with --resume goes on";
 
 const SWEEP_HELP: &str = "\
+Examples:
+  csat sweep city --vary netem.radio.range_m=25,50,inf --seeds 1..5
+  csat sweep city --vary agents.count=2,4,8 --seeds 1..10 --resume --out sweeps/fleets
+  csat sweep city --vary agents.count=2,4 --seeds 1..10 --shard 1/2 --out sweeps/shared
+
 Values are TOML or plain words, split at the commas outside of brackets and quotes:
   --vary netem.radio.range_m=25,50,inf
   --vary 'netem.radio.loss={model=\"iid\",p=0.1},bad:{model=\"iid\",p=0.5}'   `bad` is a label
@@ -278,3 +334,42 @@ Exit codes:
   2    bad input: nothing was run
   3    a run violated a guarantee or a separation
   130  ended early by Ctrl-C: the same command with --resume goes on";
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    /// The commands that a help text shows, without what a shell does with them.
+    fn shown(help: &str) -> impl Iterator<Item = Vec<String>> {
+        let commands = help.lines().filter_map(|line| line.strip_prefix("  csat "));
+        commands.map(|line| {
+            let ends = ["   ", "  ", " > ", " | ", " && "].iter().filter_map(|end| line.find(end));
+            let line = &line[..ends.min().unwrap_or(line.len())];
+            let words = line.split_whitespace().map(|word| word.replace('\'', ""));
+            std::iter::once("csat".to_owned()).chain(words).collect()
+        })
+    }
+
+    #[test]
+    fn every_command_has_examples_that_the_parser_takes() {
+        let cli = Cli::command();
+        let help = |command: &clap::Command| {
+            command.get_after_help().map(ToString::to_string).unwrap_or_default()
+        };
+        let mut examples: Vec<Vec<String>> = shown(&help(&cli)).collect();
+        for command in cli.get_subcommands() {
+            let own: Vec<_> = shown(&help(command)).collect();
+            let begin = ["csat", command.get_name()];
+            assert!(own.iter().any(|words| words[..2] == begin), "{}", command.get_name());
+            examples.extend(own);
+        }
+        assert!(examples.len() > 40, "{}", examples.len());
+        for words in examples {
+            if let Err(error) = Cli::try_parse_from(&words) {
+                panic!("{words:?}: {error}");
+            }
+        }
+    }
+}

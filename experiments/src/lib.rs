@@ -30,9 +30,12 @@
 //! | [`process`] | a fleet of processes: world, agents, and what spawns them |
 //! | [`tools`] | looking at a fleet from a terminal: `csat echo`, `csat doctor` |
 //! | [`wire`] | Zenoh: how a process reaches the others |
+//! | [`terminal`] | writing to readers that may be gone |
 //! | [`verdict`] | exit codes |
 //! | [`words`] | words for people |
 //! | [`timing`], [`stages`] | the only clock |
+
+#![warn(clippy::print_stdout, clippy::print_stderr)] // They panic: see `terminal`.
 
 pub mod cli;
 pub mod compare;
@@ -60,6 +63,7 @@ pub mod show;
 pub mod stages;
 pub mod summary;
 pub mod sweep;
+pub mod terminal;
 #[cfg(test)]
 mod testing;
 pub mod timing;

@@ -105,10 +105,12 @@ struct Terminal(Arc<Mutex<Option<Progress>>>);
 
 impl Write for Terminal {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        match &*lock(&self.0) {
+        let written = match &*lock(&self.0) {
             Some(progress) => progress.suspend(|| io::stderr().write(buffer)),
             None => io::stderr().write(buffer),
-        }
+        };
+        // The subscriber tells of errors with `eprintln!`, which panics where this one failed.
+        Ok(written.unwrap_or(buffer.len()))
     }
     fn flush(&mut self) -> io::Result<()> {
         io::stderr().flush()

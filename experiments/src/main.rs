@@ -1,16 +1,23 @@
 //! The `csat` command.
 
+#![warn(clippy::print_stdout, clippy::print_stderr)] // They panic: see `terminal`.
+
 mod commands;
 
 use std::process::ExitCode;
 
 use clap::Parser;
-use csat_experiments::cli::{Cli, Command};
+use csat_experiments::cli::{Cli, Command, advice};
 use csat_experiments::logs::Logs;
+use csat_experiments::tell;
 use csat_experiments::verdict::FAILED;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = Cli::try_parse().unwrap_or_else(|error| {
+        let arguments: Vec<String> =
+            std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect();
+        advice::advise(error, &arguments).exit()
+    });
     let logs = Logs::install();
     let result = match &cli.command {
         Command::Run(arguments) => commands::run(arguments, &logs),
@@ -26,11 +33,15 @@ fn main() -> ExitCode {
         Command::Echo(arguments) => commands::echo(arguments),
         Command::Doctor(arguments) => commands::doctor(arguments),
         Command::Plot { dir, agent } => commands::plot(dir, *agent),
+        Command::Scenarios { name } => commands::scenarios(name.as_deref()),
+        Command::Keys { prefix, json } => commands::keys(prefix, *json),
+        Command::Completions { shell } => commands::completions(*shell),
+        Command::Man { out } => commands::man(out.as_deref()),
     };
     match result {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            eprintln!("error: {error:#}");
+            tell!("error: {error:#}");
             ExitCode::from(FAILED)
         }
     }

@@ -12,7 +12,7 @@ use crate::plot;
 use crate::progress::Progress;
 use crate::provenance::Provenance;
 use crate::run_folder::{Destination, FolderError, PartialFile, RunFolder};
-use crate::scenario::{Loaded, MAP_FILE};
+use crate::scenario::{Loaded, MAP_FILE, TRACKS_FILE};
 use crate::series::{Point, Series};
 use crate::summary::{Messages, Summary};
 use crate::timing::{Stopwatch, Timing};
@@ -115,6 +115,9 @@ impl Recorder {
         folder.write("scenario.resolved.toml", &loaded.kept().to_toml())?;
         if let Some(map) = loaded.own_map() {
             folder.write(MAP_FILE, &map.text)?;
+        }
+        if let Some(tracks) = &loaded.tracks {
+            folder.write(TRACKS_FILE, &tracks.text)?;
         }
         let attribution = loaded.world.map().attribution.clone();
         let provenance = Provenance::collect(&loaded.name, scenario.seed, attribution);

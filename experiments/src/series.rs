@@ -125,9 +125,10 @@ impl Series {
         }
     }
 
-    /// When the fleet had identified `targets` targets.
+    /// When the fleet had identified all of `targets` targets; never where there are none.
     pub fn all_identified_s(&self, targets: u16) -> Option<f64> {
-        self.0.iter().find(|p| p.identified_union >= targets).map(|p| p.time_s)
+        let mut points = self.0.iter().filter(|_| targets > 0);
+        points.find(|p| p.identified_union >= targets).map(|p| p.time_s)
     }
 }
 
@@ -168,6 +169,7 @@ mod tests {
         assert_eq!(means.oem_iou_pct, None);
         assert_eq!(series.all_identified_s(2), Some(1.0));
         assert_eq!(series.all_identified_s(4), None);
+        assert_eq!(series.all_identified_s(0), None, "no time at which none were found");
         assert_eq!(Series::default().second_half(), Means::default());
     }
 }

@@ -33,7 +33,7 @@ pub struct Summary {
     pub inconsistencies: u64,
     /// card(∪ L_i) at the end.
     pub identified: u16,
-    /// When all targets were identified, seconds; null if never.
+    /// When all targets were identified, seconds; null if never, or if there is no target.
     pub all_identified_s: Option<f64>,
     /// Means over the second half of the mission and over the agents.
     #[serde(flatten)]
@@ -96,6 +96,7 @@ impl Summary {
         let metres = |value: Option<f64>| value.map_or("-".to_owned(), |m| format!("{m:.2} m"));
         let all = match self.all_identified_s {
             Some(time_s) => format!("all after {time_s} s"),
+            None if self.targets == 0 => "no targets".to_owned(),
             None => "not all".to_owned(),
         };
         let ended = if self.interrupted { ", ended early by the user" } else { "" };

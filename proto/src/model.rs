@@ -1,6 +1,8 @@
 //! What every party agrees on before the start (`spec/model.md`): the region of interest, what is
 //! known of the targets, and how the fleet moves.
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 /// The ground X_g of the region of interest: an axis-aligned rectangle centred on the origin.
@@ -36,14 +38,17 @@ pub enum Driving {
 
 /// `[targets]`: how many cars there are, what bounds their motion and their shape.
 ///
-/// Agents use everything here but `count` and `driving`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// Agents use everything here but `count`, `driving` and `tracks`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TargetsModel {
     /// N^t, the true number of targets.
     pub count: u16,
     /// How they drive.
     pub driving: Driving,
+    /// The file of the tracks that the targets follow; without it they drive on their own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tracks: Option<PathBuf>,
     /// v_max, the bound on a target's speed, in m/s.
     pub v_max_m_s: f64,
     /// r_s^to: a target's location is always farther than this from any obstacle, in metres (3.8).
@@ -63,6 +68,7 @@ impl Default for TargetsModel {
         Self {
             count: 8,
             driving: Driving::Roads,
+            tracks: None,
             v_max_m_s: 1.0,
             obstacle_distance_m: 2.5,
             target_distance_m: 8.0,
@@ -73,8 +79,21 @@ impl Default for TargetsModel {
     }
 }
 
-/// `[agents]`: the fleet and how it flies.
+/// Where a UAV starts, at its own altitude.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StartPose {
+    /// East of the middle of the region, metres.
+    pub x_m: f64,
+    /// North of the middle of the region, metres.
+    pub y_m: f64,
+    /// Yaw, counter-clockwise from east, degrees.
+    #[serde(default)]
+    pub yaw_deg: f64,
+}
+
+/// `[agents]`: the fleet and how it flies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FleetModel {
     /// N^u, the number of UAVs.
@@ -89,8 +108,10 @@ pub struct FleetModel {
     /// Between the altitudes of the first and the last UAV at most, in metres: from far above, a
     /// camera sees no ground within d_max and no car by enough pixels.
     pub altitude_band_m: f64,
-    /// How far outside the western border the fleet starts, in metres.
+    /// How far outside the western border the fleet starts when `start` is empty, in metres.
     pub start_offset_m: f64,
+    /// Where the UAVs start, by index; one pose is a base from which all start.
+    pub start: Vec<StartPose>,
     /// Settling time t_5% of the yaw response, in seconds (thesis figure 5.3).
     pub yaw_settling_s: f64,
 }
@@ -101,6 +122,15 @@ impl FleetModel {
         let widest_m = self.altitude_band_m / f64::from(self.count.max(2) - 1);
         let step_m = self.altitude_step_m.max(-widest_m).min(widest_m);
         self.altitude_m + f64::from(index) * step_m
+    }
+
+    /// Where UAV `index` starts over the region `ground`: at its pose, at the base of all, or
+    /// `start_offset_m` west of the middle of the western border, heading east.
+    pub fn start_of(&self, index: u16, ground: &Ground) -> StartPose {
+        let x_m = -ground.size_m[0] / 2.0 - self.start_offset_m;
+        let outside = StartPose { x_m, y_m: 0.0, yaw_deg: 0.0 };
+        let own = self.start.get(usize::from(index)).or(self.start.first());
+        own.copied().unwrap_or(outside)
     }
 }
 
@@ -113,6 +143,7 @@ impl Default for FleetModel {
             altitude_step_m: 3.0,
             altitude_band_m: 24.0,
             start_offset_m: 10.0,
+            start: Vec::new(),
             yaw_settling_s: 1.2,
         }
     }

@@ -8,6 +8,7 @@
 //! | [`obstacle`] | buildings, and exact distances to them |
 //! | [`road`] | where cars can drive |
 //! | [`target`] | the cars |
+//! | [`track`] | cars that follow tracks instead of driving on their own |
 //! | [`uav`] | how UAVs move: what else flies implements its trait |
 //! | [`scene`] | what a camera can see of all that |
 //! | [`camera`] | a frame with exact labels, and the oracle that checks it |
@@ -26,6 +27,7 @@ mod random;
 pub mod road;
 pub mod scene;
 pub mod target;
+pub mod track;
 pub mod truth;
 pub mod uav;
 pub mod world;

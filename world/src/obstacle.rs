@@ -76,17 +76,19 @@ impl Walls {
         nearest
     }
 
-    /// The walls of every obstacle whose bounding box comes within `reach_m` of the segment's.
+    /// The index and the walls of every obstacle whose bounding box comes within `reach_m` of the
+    /// segment's.
     pub(crate) fn near_segment(
         &self,
         [a, b]: [Point; 2],
         reach_m: f64,
-    ) -> impl Iterator<Item = &[[Point; 2]]> {
+    ) -> impl Iterator<Item = (usize, &[[Point; 2]])> {
         let bounds = Bounds::around([a, b]).map(|b| b.grown(reach_m));
         self.footprints
             .iter()
-            .filter(move |f| bounds.is_some_and(|b| b.meets(&f.bounds)))
-            .map(|f| f.edges.as_slice())
+            .enumerate()
+            .filter(move |(_, f)| bounds.is_some_and(|b| b.meets(&f.bounds)))
+            .map(|(index, f)| (index, f.edges.as_slice()))
     }
 }
 

@@ -102,6 +102,21 @@ pub(crate) fn crossing([p, q]: [Point; 2], [a, b]: [Point; 2]) -> Option<[f64; 2
     ((0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t)).then_some([s, t])
 }
 
+/// Distance between the segments `[p, q]` and `[a, b]`, metres; 0 where they meet.
+pub(crate) fn segment_distance_m([p, q]: [Point; 2], [a, b]: [Point; 2]) -> f64 {
+    if crossing([p, q], [a, b]).is_some() {
+        return 0.0;
+    }
+    // Segments that do not cross are nearest at an end of one of them.
+    let ends = [
+        distance_to_segment_m(p, a, b),
+        distance_to_segment_m(q, a, b),
+        distance_to_segment_m(a, p, q),
+        distance_to_segment_m(b, p, q),
+    ];
+    ends.into_iter().fold(f64::INFINITY, f64::min)
+}
+
 /// An axis-aligned box, bounds inclusive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bounds {
@@ -183,6 +198,15 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn segments_are_as_far_apart_as_their_nearest_points() {
+        let across = [[0.0, -1.0], [0.0, 1.0]];
+        assert_eq!(segment_distance_m([[-1.0, 0.0], [1.0, 0.0]], across), 0.0);
+        assert_eq!(segment_distance_m([[2.0, 0.0], [5.0, 0.0]], across), 2.0);
+        assert_eq!(segment_distance_m([[3.0, 5.0]; 2], across), 5.0);
+        assert_eq!(segment_distance_m([[1.0, -9.0], [1.0, 9.0]], across), 1.0);
     }
 
     #[test]

@@ -267,7 +267,7 @@ impl Car {
 }
 
 /// `from_rad` turned towards `to_rad` the short way by at most `most_rad`.
-fn turned(from_rad: f64, to_rad: f64, most_rad: f64) -> f64 {
+pub(crate) fn turned(from_rad: f64, to_rad: f64, most_rad: f64) -> f64 {
     let mut difference = (to_rad - from_rad).rem_euclid(TAU);
     if difference > PI {
         difference -= TAU;

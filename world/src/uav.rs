@@ -54,12 +54,12 @@ impl Quadcopter {
         }
     }
 
-    /// UAV `index` of the fleet at the start: `start_offset_m` west of the middle of the western
-    /// border, heading east, at its own altitude.
+    /// UAV `index` of the fleet where it starts, at its own altitude.
     pub fn at_start(fleet: &FleetModel, ground: &Ground, index: u16) -> Self {
-        let x = -ground.size_m[0] / 2.0 - fleet.start_offset_m;
-        let p_world = [x, 0.0, fleet.altitude_of(index)];
-        Self::new(p_world, 0.0, fleet.speed_m_s, fleet.yaw_settling_s)
+        let start = fleet.start_of(index, ground);
+        let p_world = [start.x_m, start.y_m, fleet.altitude_of(index)];
+        let yaw_rad = start.yaw_deg.to_radians();
+        Self::new(p_world, yaw_rad, fleet.speed_m_s, fleet.yaw_settling_s)
     }
 
     /// Yaw and yaw rate after `t_s`: the exact solution of
@@ -105,6 +105,7 @@ impl Vehicle for Quadcopter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use csat_proto::model::StartPose;
 
     fn quadcopter() -> Quadcopter {
         Quadcopter::new([0.0, 0.0, 52.0], 0.0, 5.0, 1.2)
@@ -173,5 +174,22 @@ mod tests {
         let fleet = FleetModel::default();
         let pose = Quadcopter::at_start(&fleet, &ground, 2).pose();
         assert_eq!(pose, Pose::level([-260.0, 0.0, 58.0], 0.0));
+    }
+
+    #[test]
+    fn start_poses_are_taken_by_index_and_one_is_a_base() {
+        let ground = Ground { size_m: [500.0, 300.0] };
+        let poses = [(10.0, -20.0, 90.0), (30.0, 40.0, 0.0)];
+        let start = poses.map(|(x_m, y_m, yaw_deg)| StartPose { x_m, y_m, yaw_deg });
+        let each = FleetModel { count: 2, start: start.into(), ..FleetModel::default() };
+        let pose = |fleet: &FleetModel, i| Quadcopter::at_start(fleet, &ground, i).pose();
+        let quarter = std::f64::consts::FRAC_PI_2;
+        assert_eq!(pose(&each, 0), Pose::level([10.0, -20.0, 52.0], quarter));
+        assert_eq!(pose(&each, 1), Pose::level([30.0, 40.0, 55.0], 0.0));
+        let base = FleetModel { start: start[..1].into(), ..FleetModel::default() };
+        assert_eq!(pose(&base, 3), Pose::level([10.0, -20.0, 61.0], quarter));
+        let mut uav = Quadcopter::at_start(&base, &ground, 0);
+        uav.advance(2.0);
+        assert!((uav.pose().p_world[1] + 10.0).abs() < 1e-9, "it flies along its yaw");
     }
 }

@@ -10,6 +10,7 @@ use crate::obstacle::{Obstacle, Walls};
 use crate::road::{RoadGraph, RoadRules};
 use crate::scene::{Prism, Scene};
 use crate::target::{Chase, PlacementError, TargetTruth, Traffic, Watcher, road_clearance_m};
+use crate::track::{Scripted, TrackError, Tracks};
 use crate::truth::Monitor;
 use crate::uav::{Quadcopter, Vehicle, YawCommand};
 
@@ -31,6 +32,8 @@ pub struct WorldConfig {
     pub map: MapConfig,
     /// The cars.
     pub targets: TargetsModel,
+    /// The tracks that the cars follow; without them they drive on the roads.
+    pub tracks: Option<Tracks>,
     /// The UAVs.
     pub fleet: FleetModel,
     /// Their cameras.
@@ -44,6 +47,7 @@ impl Default for WorldConfig {
         Self {
             map: MapConfig::default(),
             targets: TargetsModel::default(),
+            tracks: None,
             fleet: FleetModel::default(),
             camera: CameraModel::default(),
             period_s: 0.5,
@@ -80,6 +84,9 @@ pub enum WorldError {
     /// No room for all cars.
     #[error(transparent)]
     Placement(#[from] PlacementError),
+    /// A car that does not keep to the model.
+    #[error("targets.tracks: {0}")]
+    Track(TrackError),
 }
 
 /// Why there is no world.
@@ -127,6 +134,15 @@ pub struct CommandError {
     pub yaw_rad: f64,
 }
 
+/// What moves the cars.
+#[derive(Debug)]
+enum Cars {
+    /// They drive on the roads as they like.
+    Driving(Traffic),
+    /// They follow tracks.
+    Scripted(Scripted),
+}
+
 /// The town, the cars and the UAVs at step k.
 #[derive(Debug)]
 pub struct World {
@@ -135,9 +151,35 @@ pub struct World {
     prisms: Vec<Prism>,
     walls: Walls,
     roads: RoadGraph,
-    traffic: Traffic,
+    cars: Cars,
     vehicles: Vec<Box<dyn Vehicle>>,
     step: Step,
+}
+
+impl Cars {
+    /// The cars at step 0.
+    fn start(
+        config: &WorldConfig,
+        map: &Map,
+        roads: &RoadGraph,
+        seed: u64,
+    ) -> Result<Self, Vec<WorldError>> {
+        let Some(tracks) = &config.tracks else {
+            let traffic = Traffic::place(roads, map.roads.len(), &config.targets, seed);
+            return traffic.map(Self::Driving).map_err(|error| vec![error.into()]);
+        };
+        let faults = tracks.faults(&config.targets, &map.ground, &map.obstacles);
+        let mut errors: Vec<WorldError> = faults.into_iter().map(WorldError::Track).collect();
+        if tracks.count() != usize::from(config.targets.count) {
+            let (got, expected) = (config.targets.count.to_string(), tracks.count().to_string());
+            errors.push(WorldError::Config { key: "targets.count", got, expected });
+        }
+        if errors.is_empty() {
+            Ok(Self::Scripted(Scripted::new(tracks.clone())))
+        } else {
+            Err(errors)
+        }
+    }
 }
 
 impl World {
@@ -188,12 +230,9 @@ impl World {
             min_network_m: MIN_NETWORK_M,
         };
         let roads = RoadGraph::build(&map.ground, &map.roads, &walls, &rules);
-        let traffic = match Traffic::place(&roads, map.roads.len(), &config.targets, seed) {
-            Ok(traffic) => traffic,
-            Err(error) => {
-                let (errors, map_warnings) = (vec![error.into()], map.warnings);
-                return Err(WorldErrors { errors, map_warnings });
-            }
+        let cars = match Cars::start(config, &map, &roads, seed) {
+            Ok(cars) => cars,
+            Err(errors) => return Err(WorldErrors { errors, map_warnings: map.warnings }),
         };
         let prisms = (0..).zip(&map.obstacles).map(|(i, o)| o.prism(i)).collect();
         let vehicles = (0..config.fleet.count)
@@ -201,35 +240,41 @@ impl World {
             .map(|q| Box::new(q) as Box<dyn Vehicle>)
             .collect();
         let config = config.clone();
-        Ok(Self { config, map, prisms, walls, roads, traffic, vehicles, step: Step(0) })
+        Ok(Self { config, map, prisms, walls, roads, cars, vehicles, step: Step(0) })
     }
 
     /// Lets one period T pass: k becomes k + 1.
     pub fn advance(&mut self) {
-        match self.config.targets.driving {
-            Driving::Roads => self.traffic.advance(&self.roads, self.config.period_s),
-            Driving::Evasive => self.evade(),
+        let period_s = self.config.period_s;
+        self.step.0 += 1;
+        match (&mut self.cars, self.config.targets.driving) {
+            (Cars::Scripted(cars), _) => {
+                cars.advance_to(f64::from(self.step.0) * period_s, period_s);
+            }
+            (Cars::Driving(traffic), Driving::Roads) => traffic.advance(&self.roads, period_s),
+            (Cars::Driving(_), Driving::Evasive) => self.evade(),
         }
         for vehicle in &mut self.vehicles {
-            vehicle.advance(self.config.period_s);
+            vehicle.advance(period_s);
         }
-        self.step.0 += 1;
     }
 
     /// Lets the cars evade for one period what the UAVs see at its beginning.
     fn evade(&mut self) {
+        let poses = self.poses();
+        let Cars::Driving(traffic) = &mut self.cars else { return };
         let WorldConfig { targets, camera, period_s, .. } = &self.config;
         let watcher = |pose: &Pose| {
             Watcher::new([pose.p_world[0], pose.p_world[1]], &camera.at(pose).footprint())
         };
-        let watchers: Vec<Watcher> = self.poses().iter().map(watcher).collect();
+        let watchers: Vec<Watcher> = poses.iter().map(watcher).collect();
         let chase = Chase {
             ground: Ground { size_m: self.map.ground.size_m.map(|s| s - 2.0 * inset_m(targets)) },
             walls: &self.walls,
             clearance_m: road_clearance_m(targets),
             watchers: &watchers,
         };
-        self.traffic.evade(&chase, *period_s);
+        traffic.evade(&chase, *period_s);
     }
 
     /// Commands a UAV, from now on.
@@ -264,7 +309,10 @@ impl World {
 
     /// What is true of every target, by index.
     pub fn targets(&self) -> &[TargetTruth] {
-        self.traffic.truths()
+        match &self.cars {
+            Cars::Driving(traffic) => traffic.truths(),
+            Cars::Scripted(cars) => cars.truths(),
+        }
     }
 
     /// The obstacles; prism i of [`Self::scene`] is obstacle i.
@@ -300,7 +348,7 @@ impl World {
 
     /// A monitor of this world, which has seen nothing yet.
     pub fn monitor(&self) -> Monitor {
-        let WorldConfig { targets, period_s, .. } = self.config;
-        Monitor::new(self.map.ground, targets, period_s, &self.map.obstacles)
+        let WorldConfig { targets, period_s, .. } = &self.config;
+        Monitor::new(self.map.ground, targets.clone(), *period_s, &self.map.obstacles)
     }
 }

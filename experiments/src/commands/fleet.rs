@@ -15,6 +15,7 @@ use csat_experiments::process::leash;
 use csat_experiments::process::spawn::{self, SpawnArguments, SpawnError};
 use csat_experiments::process::world::{self, WorldError};
 use csat_experiments::run_folder::RunFolder;
+use csat_experiments::tell;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED};
 use csat_experiments::wire::session::{self, Role};
 
@@ -23,7 +24,7 @@ pub fn spawn(arguments: &SpawnArguments) -> anyhow::Result<u8> {
     let loaded = match super::load_to_fly(&arguments.run) {
         Ok(loaded) => loaded,
         Err(mistakes) => {
-            eprintln!("{mistakes}");
+            tell!("{mistakes}");
             return Ok(BAD_INPUT);
         }
     };
@@ -35,7 +36,7 @@ pub fn spawn(arguments: &SpawnArguments) -> anyhow::Result<u8> {
     }
     match spawn::spawn(arguments, &loaded) {
         Err(SpawnError::Wire(error)) => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             Ok(BAD_INPUT)
         }
         spawned => Ok(spawned?),
@@ -54,7 +55,7 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
     let session = match session::open(wire, Role::World) {
         Ok(session) => session,
         Err(error) => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             return Ok(BAD_INPUT);
         }
     };
@@ -93,7 +94,7 @@ pub fn agent(arguments: &AgentArguments, logs: &Logs) -> anyhow::Result<u8> {
         Ok(_) => Ok(DONE),
         Err(AgentError::Ended(ENDED_BY_SIGNAL)) => Ok(INTERRUPTED),
         Err(error @ (AgentError::Wire(_) | AgentError::Refused { .. })) => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             Ok(BAD_INPUT)
         }
         Err(error) => Err(error.into()),

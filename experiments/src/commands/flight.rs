@@ -15,6 +15,7 @@ use csat_experiments::sweep::record::RunRecord;
 use csat_experiments::sweep::results::{Counts, Results};
 use csat_experiments::sweep::seeds::Shard;
 use csat_experiments::sweep::work::{Event, work};
+use csat_experiments::tell;
 use csat_experiments::verdict::{BAD_INPUT, DONE, FAILED, INTERRUPTED, VIOLATED};
 
 /// What this process flies.
@@ -87,7 +88,7 @@ impl Flight<'_> {
     /// Says how to go on after Ctrl-C: with `again`, and in which other ways.
     pub fn interrupted(&self, again: &str, or: &str) -> u8 {
         let root = quoted(&self.folder.root().display().to_string());
-        eprintln!("ended early; go on with\n  {again} --resume --out {root}{or}");
+        tell!("ended early; go on with\n  {again} --resume --out {root}{or}");
         INTERRUPTED
     }
 }
@@ -102,13 +103,9 @@ pub fn complain(results: &Results) {
     for (run, record) in &results.runs {
         let name = results.manifest.run_name(run);
         match record {
-            None => eprintln!("missing: {name}\n  = fly it with --resume"),
+            None => tell!("missing: {name}\n  = fly it with --resume"),
             Some(record) if is_bad(record) => {
-                eprintln!(
-                    "{name}: {}\n  = fly it again with `{}`",
-                    record.describe(),
-                    record.replay
-                );
+                tell!("{name}: {}\n  = fly it again with `{}`", record.describe(), record.replay);
             }
             Some(_) => {}
         }
@@ -135,11 +132,11 @@ pub fn judge(result: anyhow::Result<u8>) -> anyhow::Result<u8> {
     match result.map_err(|error| error.downcast::<SweepError>()) {
         Ok(code) => Ok(code),
         Err(Ok(error @ (SweepError::Mistakes(_) | SweepError::Refused(_)))) => {
-            eprintln!("{error}");
+            tell!("{error}");
             Ok(BAD_INPUT)
         }
         Err(Ok(error @ SweepError::Unreadable { .. })) => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             Ok(BAD_INPUT)
         }
         Err(Ok(error)) => Err(error.into()),

@@ -3,6 +3,7 @@
 mod compare;
 mod fleet;
 mod flight;
+mod reference;
 mod replay;
 mod reproduce;
 mod sweep;
@@ -10,7 +11,7 @@ mod tools;
 mod watch;
 
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,11 +28,14 @@ use csat_experiments::scenario::{self, Loaded, Mistakes, Request};
 use csat_experiments::set_membership::SetMembership;
 use csat_experiments::show;
 use csat_experiments::show::recording::Recording;
+use csat_experiments::tell;
+use csat_experiments::terminal;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED, verdict};
 use csat_experiments::words::counted;
 
 pub use compare::compare;
 pub use fleet::{agent, spawn, world};
+pub use reference::{completions, keys, man, scenarios};
 pub use replay::replay;
 pub use reproduce::reproduce;
 pub use sweep::sweep;
@@ -48,12 +52,12 @@ pub fn check(arguments: &ScenarioArguments) -> anyhow::Result<u8> {
     let loaded = match load(arguments) {
         Ok(loaded) => loaded,
         Err(mistakes) => {
-            eprintln!("{}", mistakes.describe());
+            tell!("{}", mistakes.describe());
             return Ok(BAD_INPUT);
         }
     };
     for warning in &loaded.warnings {
-        eprintln!("{}", warning.render("warning"));
+        tell!("{}", warning.render("warning"));
     }
     let scenario = &loaded.scenario;
     let warnings = match loaded.warnings.len() {
@@ -110,7 +114,7 @@ fn record(
     let loaded = match load_to_fly(arguments) {
         Ok(loaded) => loaded,
         Err(mistakes) => {
-            eprintln!("{mistakes}");
+            tell!("{mistakes}");
             return Ok(BAD_INPUT);
         }
     };
@@ -131,16 +135,13 @@ fn record(
     let log = partial.join("csat.log");
     let mut file =
         File::create(&log).with_context(|| format!("cannot create `{}`", log.display()))?;
-    for warning in &loaded.warnings {
-        writeln!(file, "{}", warning.render("warning"))
-            .with_context(|| format!("cannot write `{}`", log.display()))?;
+    let warnings: Vec<String> = loaded.warnings.iter().map(|w| w.render("warning")).collect();
+    for warning in &warnings {
+        writeln!(file, "{warning}").with_context(|| format!("cannot write `{}`", log.display()))?;
     }
     logs.attach(file);
     logs.share_terminal(recorder.progress().clone());
-    if !loaded.warnings.is_empty() && !arguments.json {
-        let count = counted(loaded.warnings.len(), "warning");
-        eprintln!("{count}, in full in csat.log and from `csat check`");
-    }
+    warn(&warnings, "in csat.log and from `csat check`");
     let mut recording = arguments
         .record
         .map(|period_s| {
@@ -168,7 +169,7 @@ fn refuse_folder(error: FolderError) -> anyhow::Result<u8> {
     if matches!(error, FolderError::Io { .. }) {
         return Err(error.into());
     }
-    eprintln!("error: {error}\n  = expected with --out a folder that is new or empty");
+    tell!("error: {error}\n  = expected with --out a folder that is new or empty");
     Ok(BAD_INPUT)
 }
 
@@ -208,19 +209,27 @@ fn report(finished: &Finished, recorded_bytes: Option<u64>, json: bool) -> anyho
     }
     let verdict = verdict(summary, folder);
     if let Some(alarm) = &verdict.alarm {
-        eprintln!("{alarm}");
+        tell!("{alarm}");
     }
     Ok(verdict.code)
 }
 
 /// Writes to stdout; a reader that has seen enough (`| head`) is no failure.
 fn say(text: &str) -> anyhow::Result<()> {
-    let mut stdout = io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(error).context("cannot write to stdout")
-        }
-        _ => Ok(()),
+    terminal::say(text).context("cannot write to stdout")
+}
+
+/// How many warnings are shown before a flight.
+const SHOWN_WARNINGS: usize = 10;
+
+/// Shows what is allowed but probably not meant; of many warnings the first ones, and where all are.
+fn warn(warnings: &[String], all: &str) {
+    for warning in warnings.iter().take(SHOWN_WARNINGS) {
+        tell!("{}", warning.trim_end());
+    }
+    match warnings.len().saturating_sub(SHOWN_WARNINGS) {
+        0 => {}
+        more => tell!("and {}: all are in full {all}", counted(more, "more warning")),
     }
 }
 
@@ -233,7 +242,7 @@ pub fn plot(dir: &Path, whose: Option<Whose>) -> anyhow::Result<u8> {
     let pictures = match drawn {
         Ok(pictures) => pictures,
         Err(error @ (PlotError::Read { .. } | PlotError::NoAgent { .. })) => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             return Ok(BAD_INPUT);
         }
         Err(error) => return Err(error.into()),

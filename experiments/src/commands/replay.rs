@@ -8,6 +8,7 @@ use csat_experiments::show::documents::Document;
 use csat_experiments::show::read::{self, Film};
 use csat_experiments::show::replay::play;
 use csat_experiments::show::truth;
+use csat_experiments::tell;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED};
 use csat_experiments::wire::session::{self, Role, WireArguments};
 use csat_proto::keys::Keys;
@@ -21,12 +22,12 @@ pub fn replay(arguments: &ReplayArguments) -> anyhow::Result<u8> {
     let film = match read::load(&arguments.dir) {
         Ok(film) => film,
         Err(error) => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             return Ok(BAD_INPUT);
         }
     };
     if let Some(warning) = &film.warning {
-        eprintln!("warning: {warning}");
+        tell!("warning: {warning}");
     }
     let interrupted = super::interrupted_by_the_user()?;
     // It stands in for the world: others connect to it.
@@ -35,7 +36,7 @@ pub fn replay(arguments: &ReplayArguments) -> anyhow::Result<u8> {
     let session = match session::open(&wire, Role::World) {
         Ok(session) => session,
         Err(error) => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             return Ok(BAD_INPUT);
         }
     };
@@ -56,7 +57,7 @@ fn show(
     goes_on: impl Fn() -> bool,
 ) -> anyhow::Result<bool> {
     let keys = Keys(film.run);
-    eprintln!(
+    tell!(
         "playing {} with seed {} under {}{}",
         film.scenario,
         film.run,

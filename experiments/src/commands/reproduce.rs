@@ -10,7 +10,7 @@ use csat_experiments::reproduce::plan::{self, Plan};
 use csat_experiments::reproduce::table::Table;
 use csat_experiments::reproduce::{chapter5, flown, page, table1};
 use csat_experiments::run_folder::{Destination, FolderError, PartialFile, RunFolder};
-use csat_experiments::scenario::{self, Mistake};
+use csat_experiments::scenario::{self, Loaded, Mistake};
 use csat_experiments::sweep::folder::{SweepFolder, default_root};
 use csat_experiments::sweep::manifest::{Manifest, quoted};
 use csat_experiments::sweep::results::Results;
@@ -20,7 +20,7 @@ use csat_experiments::sweep::{SweepError, check, merge};
 use csat_experiments::verdict::DONE;
 
 use super::flight::{Flight, code, complain, jobs, judge};
-use super::{interrupted_by_the_user, say};
+use super::{interrupted_by_the_user, say, warn};
 
 const REPORT: &str = "report.html";
 const TABLES: &str = "tables.txt";
@@ -92,7 +92,9 @@ fn manifest(arguments: &ReproduceArguments, plan: &Plan) -> anyhow::Result<Manif
     let request = request.map_err(SweepError::Mistakes)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(arguments.jobs)).build();
     let pool = pool.context("cannot start the threads")?;
-    Ok(pool.install(|| check::manifest(request))?.0)
+    let (manifest, warnings) = pool.install(|| check::manifest(request))?;
+    warn(&warnings, "from `csat check` with the values of a run");
+    Ok(manifest)
 }
 
 fn seeds(arguments: &ReproduceArguments, usual: &str) -> Result<Vec<u64>, SweepError> {
@@ -140,7 +142,10 @@ fn look(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
     let seeds = seeds(arguments, "1..100")?;
     let sets = sets(arguments);
     let request = scenario::Request { scenario: None, sets: &sets, seed: None };
-    let scenario = scenario::load(request).map_err(SweepError::Mistakes)?.scenario;
+    let Loaded { scenario, warnings, .. } =
+        scenario::load(request).map_err(SweepError::Mistakes)?;
+    let warnings: Vec<String> = warnings.iter().map(|w| w.render("warning")).collect();
+    warn(&warnings, "from `csat check` with the same values");
     let place = Place::take(root(arguments, "chapter4")?, arguments.resume)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(arguments.jobs)).build();
     let pool = pool.context("cannot start the threads")?;

@@ -16,10 +16,9 @@ use csat_experiments::sweep::results::{Counts, Results};
 use csat_experiments::sweep::seeds::{Shard, parse_seeds};
 use csat_experiments::sweep::take::Taking;
 use csat_experiments::sweep::vary::Axis;
-use csat_experiments::words::counted;
 
 use super::flight::{Flight, code, complain, jobs, judge};
-use super::{interrupted_by_the_user, say};
+use super::{interrupted_by_the_user, say, warn};
 
 /// `csat sweep`.
 pub fn sweep(arguments: &SweepArguments) -> anyhow::Result<u8> {
@@ -122,9 +121,7 @@ fn plan_sweep(arguments: &SweepArguments) -> anyhow::Result<(Manifest, Shard)> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(arguments.jobs)).build();
     let pool = pool.context("cannot start the threads")?;
     let (manifest, warnings) = pool.install(|| check::manifest(request))?;
-    if !warnings.is_empty() && !arguments.json {
-        eprintln!("{}, in full from `csat check`", counted(warnings.len(), "warning"));
-    }
+    warn(&warnings, "from `csat check` with the values of a run");
     Ok((manifest, shard))
 }
 

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use anyhow::Context;
 
+use csat_experiments::tell;
 use csat_experiments::tools::doctor::{self, DoctorArguments};
 use csat_experiments::tools::echo::{self, EchoArguments};
 use csat_experiments::verdict::{BAD_INPUT, DONE, FAILED, INTERRUPTED};
@@ -28,7 +29,7 @@ pub fn echo(arguments: &EchoArguments) -> anyhow::Result<u8> {
     match echo::echo(arguments, &interrupted, &mut stdout, redraw) {
         Ok(()) => Ok(DONE),
         Err(error) if error.is_mistake() => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             Ok(BAD_INPUT)
         }
         Err(error) => Err(error.into()),
@@ -47,7 +48,7 @@ pub fn doctor(arguments: &DoctorArguments) -> anyhow::Result<u8> {
     let diagnosis = match diagnosis {
         Ok(diagnosis) => diagnosis,
         Err(error) if error.is_mistake() => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             return Ok(BAD_INPUT);
         }
         Err(error) => return Err(error.into()),

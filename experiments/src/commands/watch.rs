@@ -2,6 +2,7 @@
 
 use anyhow::Context;
 
+use csat_experiments::tell;
 use csat_experiments::verdict::{BAD_INPUT, DONE};
 use csat_experiments::watch::{self, arguments::WatchArguments};
 
@@ -26,7 +27,7 @@ pub fn watch(arguments: &WatchArguments) -> anyhow::Result<u8> {
     match result {
         Ok(()) => Ok(DONE),
         Err(error) if error.is_mistake() => {
-            eprintln!("error: {error}");
+            tell!("error: {error}");
             Ok(BAD_INPUT)
         }
         Err(error) => Err(error.into()),

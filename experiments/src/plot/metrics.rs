@@ -123,7 +123,7 @@ fn draw_thesis(
             chart.draw_series(DashedLineSeries::new(ends, 7, 5, style))?;
         }
     }
-    if panel.unit == "targets" {
+    if panel.unit == "targets" && summary.targets > 0 {
         let all = f64::from(summary.targets);
         let ends = [(0.0, all), (end_s, all)].into_iter();
         chart.draw_series(DashedLineSeries::new(ends, 2, 4, GREY.stroke_width(1)))?;

@@ -24,6 +24,7 @@ use super::arguments::PaceArguments;
 use crate::cli::RunArguments;
 use crate::provenance::spawned_by;
 use crate::scenario::Loaded;
+use crate::tell;
 use crate::verdict::{FAILED, INTERRUPTED};
 use crate::wire::config::{DEFAULT_ADDRESS, scheme};
 use crate::wire::session::WireError;
@@ -121,7 +122,7 @@ async fn start_again(id: u16, mut agent: Command, mut leash_end: watch::Receiver
     }
     match agent.spawn() {
         Ok(child) => {
-            eprintln!("UAV {id} is process {} now", child.id().unwrap_or_default());
+            tell!("UAV {id} is process {} now", child.id().unwrap_or_default());
             stay_with(id, child, leash_end).await
         }
         Err(error) => (id, Err(error)),
@@ -171,9 +172,9 @@ async fn supervise(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, Sp
     }
     if !arguments.run.json {
         let endpoint = &nursery.endpoint;
-        eprintln!("{count} agents on {endpoint}; look on with `csat watch --connect {endpoint}`");
+        tell!("{count} agents on {endpoint}; look on with `csat watch --connect {endpoint}`");
         let pid = world.id().unwrap_or_default();
-        eprintln!("processes: world {pid}, UAVs from 0 on{pids}");
+        tell!("processes: world {pid}, UAVs from 0 on{pids}");
     }
     let mut restarts = vec![0; usize::from(count)];
     let status = loop {
@@ -184,7 +185,7 @@ async fn supervise(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, Sp
                 is_stopped = true;
                 leash.take();
                 wake(world.id());
-                eprintln!("\nending after this step; Ctrl-C again ends at once");
+                tell!("\nending after this step; Ctrl-C again ends at once");
             }
             // One that is stopped would not notice that nobody is left.
             () = tokio::time::sleep(WAKE_PERIOD), if agents.is_empty() => wake(world.id()),
@@ -221,10 +222,7 @@ fn conclude(world: ExitStatus, is_stopped: bool, logs: TempDir) -> u8 {
         None => {
             // Nobody took them over.
             let logs = logs.keep();
-            eprintln!(
-                "the world was killed ({world}); the agents' logs are in `{}`",
-                logs.display()
-            );
+            tell!("the world was killed ({world}); the agents' logs are in `{}`", logs.display());
             FAILED
         }
     }
@@ -241,9 +239,9 @@ fn tell(id: u16, status: &io::Result<ExitStatus>, is_restarted: bool) {
         Ok(status) if status.success() => {}
         Ok(status) => {
             let then = if is_restarted { "starting it again" } else { "the others carry on" };
-            eprintln!("the process of UAV {id} ended ({status}); {then}");
+            tell!("the process of UAV {id} ended ({status}); {then}");
         }
-        Err(error) => eprintln!("the process of UAV {id} is out of sight: {error}"),
+        Err(error) => tell!("the process of UAV {id} is out of sight: {error}"),
     }
 }
 

@@ -60,12 +60,24 @@ pub fn explain(
         },
     };
     let expected = validate::whole_number(&path).map(str::to_owned).or(expected);
+    let expected = match path.rsplit('.').next() {
+        Some("loss") if path.starts_with("netem.") && !path.contains("jammer") => {
+            Some(LOSS.to_owned())
+        }
+        Some("delay") if path.starts_with("netem.") => Some(DELAY.to_owned()),
+        _ => expected,
+    };
     let mut mistake = Mistake::new(format!("`{path}` cannot be {what}"));
     if let Some(expected) = expected {
         mistake = mistake.expected(expected);
     }
     (node.value.clone(), mistake)
 }
+
+const LOSS: &str = "a table such as `{ model = \"iid\", p = 0.3 }`, or a number, the probability that \
+                    a message is lost";
+const DELAY: &str =
+    "a table such as `{ model = \"constant\", mean_s = 0.5 }`, or a number, seconds";
 
 fn unknown_key(
     tree: &Table,
@@ -147,6 +159,16 @@ fn plain_value(got: &str) -> String {
         Some(value) => value.trim_matches('`').to_owned(),
         None => got.strip_prefix("string ").unwrap_or(got).to_owned(),
     }
+}
+
+/// What a message of serde says that it expected, in words for people; the choices of an enumeration
+/// as they are.
+pub fn expected_type(message: &str) -> Option<String> {
+    let (what, expected) = message.rsplit_once(", expected ")?;
+    if what.starts_with("unknown variant") {
+        return Some(expected.replace('`', ""));
+    }
+    Some(plain_type(expected).replace('`', ""))
 }
 
 /// What a Rust type is called by those who do not write Rust.

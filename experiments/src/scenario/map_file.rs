@@ -48,9 +48,14 @@ pub fn resolve(
 /// generated town in the same breath (or later), which is a contradiction for others to report.
 fn is_generated_on_purpose(file: &Site, sources: &Sources, tree: &tree::Table) -> bool {
     let Some(kind) = tree::exact(tree, "map.kind") else { return false };
+    kind.to_value().as_str() == Some("generated") && is_beside(&kind.value, file, sources)
+}
+
+/// Whether a value was written in the same breath as a file's name, or later: in the same source or
+/// one above it, or both on the command line.
+pub fn is_beside(value: &Site, file: &Site, sources: &Sources) -> bool {
     let is_argument = |site: &Site| !sources.get(site.source).is_file;
-    kind.to_value().as_str() == Some("generated")
-        && (kind.value.source >= file.source || is_argument(&kind.value) && is_argument(file))
+    value.source >= file.source || is_argument(value) && is_argument(file)
 }
 
 fn find(file: &str, site: &Site, sources: &Sources) -> Result<(PathBuf, MapText), Mistake> {

@@ -122,11 +122,16 @@ impl Mistakes {
     }
 }
 
-/// The candidate most like `word`, when one is alike enough to be worth a question.
+/// The question whether the candidate most like `word` was meant, when one is alike enough.
 pub fn did_you_mean<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<String> {
+    similar(word, candidates).map(|candidate| format!("did you mean `{candidate}`?"))
+}
+
+/// The candidate most like `word`, when one is alike enough to be worth a question.
+pub fn similar<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let mut likely: Vec<(f64, &str)> = candidates
         .into_iter()
         .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate))
@@ -134,8 +139,8 @@ pub fn did_you_mean<'a>(
         .collect();
     likely.sort_by(|a, b| b.0.total_cmp(&a.0));
     match likely[..] {
-        [(best, _), (second, _), ..] if best == second => None,
-        [(_, candidate), ..] => Some(format!("did you mean `{candidate}`?")),
+        [(best, one), (second, other), ..] if best == second && one != other => None,
+        [(_, candidate), ..] => Some(candidate),
         [] => None,
     }
 }

@@ -6,13 +6,16 @@
 pub mod camera_check;
 pub mod differences;
 mod explain;
+pub mod keys;
 mod map_file;
 pub mod mistake;
 mod read;
-mod set;
+pub mod set;
 pub mod shipped;
+mod shorthand;
 pub mod source;
 mod trace_file;
+mod tracks_file;
 pub mod tree;
 mod validate;
 mod world;
@@ -29,8 +32,9 @@ use csat_world::world::{World, WorldConfig};
 use serde::{Deserialize, Serialize};
 
 pub use map_file::MapText;
-pub use mistake::{Mistake, Mistakes, did_you_mean};
+pub use mistake::{Mistake, Mistakes, did_you_mean, similar};
 use source::{Place, Source, Sources};
+pub use tracks_file::TracksText;
 use tree::Node;
 use validate::Issue;
 
@@ -132,12 +136,13 @@ impl Scenario {
         Channels { facts: id(facts), snapshots: id(snapshots), plans: id(plans) }
     }
 
-    /// What the world is made of.
+    /// What the world is made of, but for the tracks, which are in a file of their own.
     pub fn world_config(&self) -> WorldConfig {
         WorldConfig {
             map: self.map.clone(),
-            targets: self.targets,
-            fleet: self.agents,
+            targets: self.targets.clone(),
+            tracks: None,
+            fleet: self.agents.clone(),
             camera: self.camera,
             period_s: self.run.period_s,
         }
@@ -169,6 +174,8 @@ pub struct Loaded {
     pub scenario: Scenario,
     /// The file of an imported town.
     pub map: Option<MapText>,
+    /// The file of the cars' tracks.
+    pub tracks: Option<TracksText>,
     /// The world at step 0.
     pub world: World,
     /// What is allowed but probably not meant.
@@ -179,6 +186,8 @@ pub struct Loaded {
 
 /// What a run folder calls a map of the user's own.
 pub const MAP_FILE: &str = "map.geojson";
+/// What a run folder calls the tracks of the cars.
+pub const TRACKS_FILE: &str = "tracks.csv";
 
 impl Loaded {
     /// The map, if it is not a shipped one.
@@ -186,12 +195,16 @@ impl Loaded {
         self.map.as_ref().filter(|map| !map.is_shipped)
     }
 
-    /// The scenario as a run folder keeps it, with the map beside it: whoever flies the run again flies
-    /// over the same town, however the file was edited since and wherever the folder went.
+    /// The scenario as a run folder keeps it, with the map and the tracks beside it: whoever flies the
+    /// run again flies over the same town and cars, however the files were edited since and wherever
+    /// the folder went.
     pub fn kept(&self) -> Scenario {
         let mut scenario = self.scenario.clone();
         if self.own_map().is_some() {
             scenario.map.file = Some(MAP_FILE.into());
+        }
+        if self.tracks.is_some() {
+            scenario.targets.tracks = Some(TRACKS_FILE.into());
         }
         scenario
     }
@@ -215,13 +228,14 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
         Ok(source) => {
             let json = json_as_scenario(&source);
             let index = sources.push(source);
-            let parsed = match json {
+            let mut parsed = match json {
                 Some(mistake) => {
                     mistakes.push(mistake);
                     tree::Table::new()
                 }
                 None => tree::parse(&sources, index, &mut mistakes),
             };
+            shorthand::expand(&mut parsed);
             // What a parser recovers after a syntax error would only raise false alarms.
             if mistakes.is_empty() { parsed } else { tree::Table::new() }
         }
@@ -231,7 +245,8 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
         }
     };
     for argument in request.sets {
-        let over = set::parse(&mut sources, argument, &mut mistakes);
+        let mut over = set::parse(&mut sources, argument, &mut mistakes);
+        shorthand::expand(&mut over);
         tree::merge(&mut tree, over);
     }
     if let Some(seed) = request.seed {
@@ -247,6 +262,7 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
     let mut scenario = read::read(&sources, &tree, &mut mistakes);
     let map = map_file::resolve(&mut scenario, &sources, &tree, &mut mistakes);
     trace_file::resolve(&mut scenario, &mut sources, &tree, &mut mistakes);
+    let tracks = tracks_file::resolve(&mut scenario, &mut sources, &tree, &mut mistakes);
     let mut warnings = Vec::new();
     let mut judged = Vec::new();
     for issue in validate::validate(&scenario) {
@@ -258,7 +274,8 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
             judged.extend(issue.keys);
         }
     }
-    let world = world::make(&scenario, map.as_ref(), &sources, &tree, &judged, &mut mistakes);
+    let files = world::Files { map: map.as_ref(), tracks: tracks.as_ref() };
+    let world = world::make(&scenario, files, &sources, &tree, &judged, &mut mistakes);
     let map_warnings = world.as_ref().map_or_else(|map| map.as_slice(), World::warnings);
     // A shipped map is larger than the region on purpose.
     let is_shipped = map.as_ref().is_some_and(|map| map.is_shipped);
@@ -272,7 +289,7 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
                 scenario.name = stem(name);
             }
             let name = scenario.name.clone();
-            Ok(Loaded { name, scenario, map, world, warnings, sources, tree })
+            Ok(Loaded { name, scenario, map, tracks, world, warnings, sources, tree })
         }
         _ => Err(Mistakes { mistakes, warnings }),
     }

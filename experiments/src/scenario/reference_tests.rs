@@ -2,38 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use super::keys::{Row, Section, sections};
 use super::read::default_table;
 use super::*;
-
-/// A table of the document.
-struct Section {
-    /// `[run]`, `[[netem.outage]]`, `loss = { model = "iid" }`.
-    heading: String,
-    /// Key and default.
-    keys: Vec<(String, String)>,
-}
-
-fn sections() -> Vec<Section> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/scenario.md");
-    let text = std::fs::read_to_string(path).unwrap();
-    let mut sections: Vec<Section> = Vec::new();
-    for line in text.lines() {
-        if let Some(heading) = line.strip_prefix("## ") {
-            let heading = heading.trim_matches('`').to_owned();
-            sections.push(Section { heading, keys: Vec::new() });
-        }
-        let cells: Vec<&str> =
-            line.split(" | ").map(|cell| cell.trim_matches(['|', ' '])).collect();
-        if let [key, default, _] = cells[..]
-            && key.starts_with('`')
-            && let Some(section) = sections.last_mut()
-        {
-            let bare = |cell: &str| cell.trim_matches('`').to_owned();
-            section.keys.push((bare(key), bare(default)));
-        }
-    }
-    sections
-}
 
 /// A scenario in which the section has a key that nobody knows.
 fn with_stranger(heading: &str) -> String {
@@ -59,11 +30,13 @@ fn every_key_is_documented_and_every_documented_key_is_there() {
     let tables: BTreeSet<&str> =
         ["run", "map", "targets", "agents", "camera", "estimator", "guidance", "exchange", "netem"]
             .into();
-    for Section { heading, keys } in sections() {
-        let mut documented: BTreeSet<String> = keys.into_iter().map(|(key, _)| key).collect();
+    for Section { heading, rows } in sections() {
+        let mut documented: BTreeSet<String> =
+            rows.into_iter().map(|row| row.key.to_owned()).collect();
         // Tables inside a table have sections of their own.
-        match heading.as_str() {
+        match heading {
             "Top level" => documented.extend(tables.iter().map(|table| (*table).to_owned())),
+            "[agents]" => documented.extend(["start".to_owned()]),
             "[guidance]" => documented.extend(["str4".to_owned()]),
             "[exchange]" => documented.extend(["channels".to_owned()]),
             // Any other name is a radio.
@@ -73,7 +46,7 @@ fn every_key_is_documented_and_every_documented_key_is_there() {
             }
             _ => {}
         }
-        assert_eq!(documented, known(&heading), "{heading}");
+        assert_eq!(documented, known(heading), "{heading}");
     }
 }
 
@@ -98,16 +71,16 @@ fn documented_defaults_are_those_of_the_program() {
     let propagation = csat_netem::config::PropagationConfig::default();
     let radio = whole["netem"]["radio"].as_table_mut().unwrap();
     radio.insert("propagation".to_owned(), toml::Value::try_from(propagation).unwrap());
-    for Section { heading, keys } in sections() {
+    for Section { heading, rows } in sections() {
         let path = if heading == "Top level" { "" } else { heading.trim_matches(['[', ']']) };
         if heading.starts_with("[[") || heading.contains("model") {
             continue;
         }
         let mut parts = path.split('.').filter(|part| !part.is_empty());
         let table = parts.try_fold(&whole, |table, part| table.get(part)?.as_table()).unwrap();
-        for (key, default) in keys {
+        for Row { key, default, .. } in rows {
             let documented = toml::from_str::<toml::Table>(&format!("x = {default}"));
-            match (table.get(&key), documented) {
+            match (table.get(key), documented) {
                 (Some(value), Ok(documented)) => {
                     assert_eq!(*value, documented["x"], "{heading} {key}");
                 }

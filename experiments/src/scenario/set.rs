@@ -1,4 +1,5 @@
-//! `--set key=value`: one assignment in TOML, quotes optional around plain words.
+//! `--set key=value`: one assignment in TOML, quotes optional around plain words, also in tables and
+//! lists.
 
 use super::mistake::Mistake;
 use super::source::{Site, Source, Sources};
@@ -27,49 +28,119 @@ pub fn parse(sources: &mut Sources, argument: &str, mistakes: &mut Vec<Mistake>)
     if errors.is_empty() {
         return table;
     }
-    let (key, value) = (&argument[..equals], argument[equals + 1..].trim());
-    if !is_bare_word(value) {
-        mistakes.append(&mut errors);
-        return Table::new();
-    }
-    // The same document with the word's place taken by a value that is TOML.
+    let (key, value) = argument.split_at(equals + 1);
+    let quoted = Quoted::new(value);
+    // The same document with quotes around plain words.
     let mut scratch = Sources::default();
-    scratch.push(Source {
-        name: String::new(),
-        text: format!("{key}=0"),
-        is_file: false,
-        folder: None,
-    });
+    let scratch_source = |text| Source { name: String::new(), text, is_file: false, folder: None };
+    scratch.push(scratch_source(format!("{key}{}", quoted.text)));
+    let mut quoted_errors = Vec::new();
+    let mut table = tree::parse(&scratch, 0, &mut quoted_errors);
+    if quoted_errors.is_empty() {
+        relocate(&mut table, source, &|at: usize| {
+            if at <= key.len() { at } else { key.len() + quoted.origin(at - key.len()) }
+        });
+        return table;
+    }
     let mut key_errors = Vec::new();
-    let mut table = tree::parse(&scratch, 0, &mut key_errors);
+    let index = scratch.push(scratch_source(format!("{key}0")));
+    tree::parse(&scratch, index, &mut key_errors);
     if !key_errors.is_empty() {
         mistakes.push(refuse("this key is not TOML", sources));
         return Table::new();
     }
-    let start = equals + 1 + argument[equals + 1..].find(value).unwrap_or(0);
-    let site = Site { source, span: start..start + value.len() };
-    relocate(&mut table, source, &site, value);
-    table
+    mistakes.extend(errors.into_iter().map(|error| match is_torn(value) {
+        true => error.help(TORN),
+        false => error,
+    }));
+    Table::new()
 }
 
-/// A value that TOML does not know and that can only be meant as text.
-fn is_bare_word(value: &str) -> bool {
-    value.starts_with(|c: char| c.is_alphabetic() || "_./~".contains(c))
-        && !value.contains(['"', '\'', '#', '[', ']', '{', '}', ',', '='])
+/// What to do about a shell that has taken a value apart.
+const TORN: &str = "a shell splits {a,b} and takes quotes away: put the whole argument in single \
+                    quotes, such as --set 'netem.radio.loss={model=\"iid\",p=0.3}'";
+
+/// Whether a value looks like a piece of a table: `model=iid` is what is left of `{model=iid,p=0.3}`
+/// once a shell has expanded the braces.
+fn is_torn(value: &str) -> bool {
+    let count = |mark: char| value.matches(mark).count();
+    value.contains('=') || count('{') != count('}') || count('[') != count(']')
 }
 
-/// Puts the word where the stand-in is and moves all sites to the argument's own source.
-fn relocate(table: &mut Table, source: usize, value_site: &Site, word: &str) {
-    for Node { key, value, kind } in table.values_mut() {
-        key.source = source;
-        value.source = source;
-        match kind {
-            Kind::Table(inner) => relocate(inner, source, value_site, word),
-            _ => {
-                *value = value_site.clone();
-                *kind = Kind::Leaf(toml::Value::String(word.to_owned()));
+/// A value with quotes around its plain words, at the top and inside of tables and lists: a shell eats
+/// those of `{model="iid",p=0.3}`.
+struct Quoted {
+    text: String,
+    /// Where quotes were put in, bytes of `text`.
+    added: Vec<usize>,
+}
+
+impl Quoted {
+    fn new(value: &str) -> Self {
+        let mut this = Self { text: String::new(), added: Vec::new() };
+        let mut quote = None;
+        let mut word = String::new();
+        for c in value.chars() {
+            let ends_word = quote.is_none() && "{}[],=".contains(c);
+            if ends_word {
+                // What stands before `=` is a key.
+                this.push(&std::mem::take(&mut word), c != '=');
+                this.text.push(c);
+                continue;
             }
+            word.push(c);
+            quote = match quote {
+                None if matches!(c, '"' | '\'') => Some(c),
+                Some(mark) if mark == c => None,
+                open => open,
+            };
         }
+        this.push(&word, true);
+        this
+    }
+
+    fn push(&mut self, word: &str, is_value: bool) {
+        let plain = word.trim();
+        if !is_value || !is_plain_word(plain) {
+            self.text += word;
+            return;
+        }
+        let start = self.text.len() + word.find(plain).unwrap_or(0);
+        self.text += &word.replacen(plain, &format!("'{plain}'"), 1);
+        self.added.extend([start, start + plain.len() + 1]);
+    }
+
+    /// Where a byte of `text` stands in the value.
+    fn origin(&self, at: usize) -> usize {
+        at - self.added.iter().filter(|added| **added < at).count()
+    }
+}
+
+/// The TOML value of a text, plain words taken as text as with `--set`; `None` when it is none.
+pub fn value(text: &str) -> Option<toml::Value> {
+    let parse = |text: &str| toml::from_str::<toml::Table>(&format!("x={text}")).ok()?.remove("x");
+    parse(text).or_else(|| parse(&Quoted::new(text).text))
+}
+
+/// A word that TOML does not know and that can only be meant as text.
+fn is_plain_word(word: &str) -> bool {
+    word.starts_with(|c: char| c.is_alphabetic() || "_./~".contains(c))
+        && !word.contains(['"', '\'', '#'])
+        && toml::from_str::<toml::Table>(&format!("x={word}")).is_err()
+}
+
+/// Moves all sites to the argument's own source.
+fn relocate(table: &mut Table, source: usize, origin: &impl Fn(usize) -> usize) {
+    let moved = |site: &Site| Site { source, span: origin(site.span.start)..origin(site.span.end) };
+    table.values_mut().for_each(|node| relocate_node(node, &moved));
+}
+
+fn relocate_node(node: &mut Node, moved: &impl Fn(&Site) -> Site) {
+    (node.key, node.value) = (moved(&node.key), moved(&node.value));
+    match &mut node.kind {
+        Kind::Leaf(_) => {}
+        Kind::Array(nodes) => nodes.iter_mut().for_each(|node| relocate_node(node, moved)),
+        Kind::Table(table) => table.values_mut().for_each(|node| relocate_node(node, moved)),
     }
 }
 
@@ -98,6 +169,40 @@ mod tests {
         }
         assert!(value("a.b=[1, 2]").unwrap().is_array());
         assert!(value("a.b={model='iid',p=0.1}").unwrap().is_table());
+    }
+
+    /// As with `--set "a.b={model="iid",p=0.1}"`, of which the shell eats the inner quotes.
+    #[test]
+    fn plain_words_need_no_quotes_in_tables_and_lists_either() {
+        let table = value("a.b={model='iid',p=0.1}").unwrap();
+        for text in ["{model=iid,p=0.1}", "{ model = iid , p = 0.1 }", "{model='iid',p=0.1}"] {
+            assert_eq!(value(&format!("a.b={text}")).unwrap(), table);
+            assert_eq!(super::value(text), Some(table.clone()));
+        }
+        let list = value("a.b=['x y',true,inf,\"a,b\",{c='d'}]").unwrap();
+        assert_eq!(value("a.b=[x y, true, inf, \"a,b\", {c=d}]").unwrap(), list);
+    }
+
+    #[test]
+    fn what_is_wrong_is_underlined_where_the_user_wrote_it() {
+        let (mut sources, mut mistakes) = (Sources::default(), Vec::new());
+        let argument = "a.b={model=iid, b=é,  p = many}";
+        let table = parse(&mut sources, argument, &mut mistakes);
+        let node = tree::exact(&table, "a.b.p").unwrap();
+        assert_eq!(&argument[node.value.span.clone()], "many");
+        assert_eq!(&argument[node.key.span.clone()], "p");
+        let node = tree::exact(&table, "a.b").unwrap();
+        assert_eq!(&argument[node.value.span.clone()], &argument[4..]);
+        assert_eq!(mistakes, []);
+    }
+
+    #[test]
+    fn what_a_shell_took_apart_is_explained() {
+        for torn in ["a.b=model=iid", "a.b={model=\"iid\"", "a.b=[1"] {
+            let errors = value(torn).unwrap_err();
+            assert!(errors[0].contains("put the whole argument in single quotes"), "{errors:?}");
+        }
+        assert!(!value("a.b=2 3").unwrap_err()[0].contains("single quotes"));
     }
 
     #[test]

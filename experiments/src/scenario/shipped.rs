@@ -9,6 +9,16 @@ pub struct Shipped {
     pub text: &'static str,
 }
 
+impl Shipped {
+    /// What it is, in a sentence: the first comment of its text.
+    pub fn summary(&self) -> String {
+        let comment = self.text.lines().take_while(|line| line.starts_with('#'));
+        let text: Vec<&str> = comment.map(|line| line.trim_start_matches('#').trim()).collect();
+        let text = text.join(" ");
+        text.split(". ").next().unwrap_or_default().trim_end_matches('.').to_owned()
+    }
+}
+
 /// Every shipped scenario; the first is the default.
 pub const SCENARIOS: [Shipped; 7] = [
     Shipped { name: "city", text: include_str!("../../scenarios/city.toml") },

@@ -524,3 +524,41 @@ fn a_scenario_keeps_its_name() {
     assert_eq!(load_with(&path.to_string_lossy(), &[]).unwrap().name, "city-slow");
     assert!(set_mistake(&["name=../up"]).starts_with("error: `name` cannot be `../up`\n"));
 }
+
+#[test]
+fn a_number_for_loss_or_delay_is_the_simplest_model() {
+    use csat_netem::config::{DelayConfig, LossConfig};
+    let radio =
+        |scenario: &str, sets: &[&str]| load_with(scenario, sets).unwrap().scenario.netem.radio;
+    let simple = radio("city", &["netem.radio.loss=0.3", "netem.radio.delay=2"]);
+    assert_eq!(simple.loss, LossConfig::Iid { p: 0.3 });
+    assert_eq!(simple.delay, DelayConfig::Constant { mean_s: 2.0 });
+    let same =
+        ["netem.radio.loss={model=iid,p=0.3}", "netem.radio.delay={model=constant,mean_s=2}"];
+    assert_eq!(radio("city", &same), simple);
+    // In place of the model of a file, in a file, and under a further value.
+    assert_eq!(radio("city-bursty", &["netem.radio.loss=1"]).loss, LossConfig::Iid { p: 1.0 });
+    let folder = scratch("shorthand");
+    let path = folder.join("my.toml");
+    std::fs::write(&path, "[netem.radio]\nloss = 0.2\n").unwrap();
+    let path = path.to_string_lossy();
+    assert_eq!(radio(&path, &[]).loss, LossConfig::Iid { p: 0.2 });
+    assert_eq!(radio(&path, &["netem.radio.loss.p=0.5"]).loss, LossConfig::Iid { p: 0.5 });
+}
+
+#[test]
+fn a_wrong_number_for_loss_is_underlined() {
+    let said = set_mistake(&["netem.radio.loss=1.3"]);
+    let place = "--> --set\n |\n | netem.radio.loss=1.3\n |                  ^^^\n";
+    assert!(said.contains("netem.radio.loss") && said.contains(place), "{said}");
+    for (set, expected) in [
+        ("netem.radio.loss=iid", "a number, the probability that a message is lost"),
+        ("netem.radio.delay=true", "a number, seconds"),
+    ] {
+        let said = set_mistake(&[set]);
+        assert!(
+            said.contains("expected a table such as `{ model = ") && said.contains(expected),
+            "{said}"
+        );
+    }
+}

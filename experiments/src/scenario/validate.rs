@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 
 use csat_agent::config::{EstimatorConfig, GuidanceConfig};
 use csat_proto::camera::CameraModel;
-use csat_proto::model::{FleetModel, TargetsModel};
+use csat_proto::model::{Driving, FleetModel, StartPose, TargetsModel};
 use csat_world::map::MapKind;
 
 use super::camera_check::car_coverage;
@@ -40,7 +40,7 @@ const MAX_TIME_S: f64 = 1e6;
 /// and a million.
 const WHOLE_NUMBERS: [(&str, RangeInclusive<u64>, &str); 10] = [
     ("agents.count", 1..=1024, "a whole number from 1 to 1024"),
-    ("targets.count", 1..=1024, "a whole number from 1 to 1024"),
+    ("targets.count", 0..=1024, "a whole number from 0 to 1024"),
     ("camera.columns", 1..=65535, "a whole number from 1 to 65535"),
     ("camera.rows", 1..=65535, "a whole number from 1 to 65535"),
     ("camera.min_pixels", 1..=u64::MAX, "a whole number above 0"),
@@ -156,6 +156,12 @@ fn run(check: &mut Check, run: &RunConfig) -> Option<f64> {
 
 fn targets(check: &mut Check, targets: &TargetsModel) {
     check.whole("targets.count", targets.count);
+    check.that(
+        targets.tracks.is_none() || targets.driving == Driving::Roads,
+        &["targets.driving", "targets.tracks"],
+        "`evasive` with targets.tracks",
+        "no such key: cars follow their tracks",
+    );
     let v_max = targets.v_max_m_s;
     let holds = (0.0..=100.0).contains(&v_max);
     check.that(holds, &["targets.v_max_m_s"], &v_max.to_string(), "a speed from 0 to 100 m/s");
@@ -196,6 +202,7 @@ fn fleet(check: &mut Check, scenario: &Scenario) -> bool {
     let holds = speed > 0.0 && speed <= 300.0;
     check.that(holds, &["agents.speed_m_s"], &speed.to_string(), "above 0 and up to 300 m/s");
     check.not_negative("agents.start_offset_m", fleet.start_offset_m);
+    start(check, fleet, scenario.map.size_m);
     check.positive("agents.yaw_settling_s", fleet.yaw_settling_s);
     let step = fleet.altitude_step_m;
     check.that(
@@ -219,6 +226,38 @@ fn fleet(check: &mut Check, scenario: &Scenario) -> bool {
         &format!("all UAVs above {what}, {key} = {floor} m"),
     );
     is_fleet
+}
+
+/// How far outside the region a UAV may start, metres.
+const MAX_START_M: f64 = 1000.0;
+
+fn start(check: &mut Check, fleet: &FleetModel, size_m: [f64; 2]) {
+    let (got, count) = (fleet.start.len(), usize::from(fleet.count));
+    check.that(
+        matches!(got, 0 | 1) || got == count,
+        &["agents.start", "agents.count"],
+        &format!("{got} poses for {count} UAVs"),
+        "none, one that is the base of all, or one for each UAV",
+    );
+    for (index, StartPose { x_m, y_m, yaw_deg }) in fleet.start.iter().enumerate() {
+        let values = [
+            ("x_m", *x_m, size_m[0] / 2.0 + MAX_START_M),
+            ("y_m", *y_m, size_m[1] / 2.0 + MAX_START_M),
+            ("yaw_deg", *yaw_deg, 360.0),
+        ];
+        for (name, value, most) in values.into_iter().filter(|(_, v, most)| !(v.abs() <= *most)) {
+            let key = format!("agents.start[{index}].{name}");
+            let text = format!("`{key}` cannot be {value}");
+            let expected = match name {
+                "yaw_deg" => "degrees from -360 to 360".to_owned(),
+                _ => {
+                    format!("from -{most} to {most} m, {MAX_START_M} m outside the region at most")
+                }
+            };
+            let mistake = Mistake::new(text).expected(expected);
+            check.0.push(Issue { keys: with_ancestors(&key), mistake, is_warning: false });
+        }
+    }
 }
 
 /// The lowest and the highest altitude.

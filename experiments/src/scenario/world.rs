@@ -2,29 +2,43 @@
 
 use csat_world::map::geojson::without_mark;
 use csat_world::map::{MapError, MapWarning};
+use csat_world::track::TrackError;
 use csat_world::world::{World, WorldError};
 
 use super::map_file::MapText;
 use super::mistake::Mistake;
 use super::source::{Place, Sources};
+use super::tracks_file::TracksText;
 use super::{Scenario, tree};
+
+/// The files that a scenario names.
+#[derive(Debug, Clone, Copy)]
+pub struct Files<'a> {
+    /// The map.
+    pub map: Option<&'a MapText>,
+    /// The tracks of the cars.
+    pub tracks: Option<&'a TracksText>,
+}
 
 /// Makes the world at step 0, or adds what prevents it to `mistakes` and gives the warnings of its map.
 /// Keys in `judged` have been judged already.
 pub fn make(
     scenario: &Scenario,
-    text: Option<&MapText>,
+    files: Files<'_>,
     sources: &Sources,
     tree: &tree::Table,
     judged: &[String],
     mistakes: &mut Vec<Mistake>,
 ) -> Result<World, Vec<MapWarning>> {
-    // A map that was not found is reported already, and without it there is no room to judge.
-    if scenario.map.file.is_some() && text.is_none() {
+    let Files { map, tracks } = files;
+    // A file that was not found is reported already, and without it there is nothing to judge.
+    let lacks_map = scenario.map.file.is_some() && map.is_none();
+    if lacks_map || scenario.targets.tracks.is_some() && tracks.is_none() {
         return Err(Vec::new());
     }
-    let config = scenario.world_config();
-    let result = match text {
+    let mut config = scenario.world_config();
+    config.tracks = tracks.map(|tracks| tracks.tracks.clone());
+    let result = match map {
         Some(map) => World::from_geojson(&config, &map.text, scenario.seed),
         None => World::new(&config, scenario.seed),
     };
@@ -32,8 +46,15 @@ pub fn make(
         Ok(world) => return Ok(world),
         Err(errors) => errors,
     };
-    for error in errors.errors {
-        let (key, mut mistake) = explain(error, text);
+    let is_track = |error: &WorldError| matches!(error, WorldError::Track(_));
+    let (track_errors, errors_of_keys): (Vec<_>, Vec<_>) =
+        errors.errors.into_iter().partition(is_track);
+    if let Some(tracks) = tracks {
+        let rows: Vec<TrackError> = track_errors.into_iter().filter_map(row).collect();
+        mistakes.extend(tracks.mistakes(&rows, sources));
+    }
+    for error in errors_of_keys {
+        let (key, mut mistake) = explain(error, map);
         if !judged.iter().any(|k| k == key) {
             let place = tree::deepest(tree, key).map(|node| sources.place(&node.value));
             mistake = match (&mistake.place, place) {
@@ -48,6 +69,13 @@ pub fn make(
         }
     }
     Err(errors.map_warnings)
+}
+
+fn row(error: WorldError) -> Option<TrackError> {
+    match error {
+        WorldError::Track(error) => Some(error),
+        _ => None,
+    }
 }
 
 /// The key to blame and what to say.
@@ -68,6 +96,7 @@ fn explain(error: WorldError, text: Option<&MapText>) -> (&'static str, Mistake)
         }
         WorldError::Map(error) => ("map.file", Mistake::new(format!("{name}: {error}"))),
         WorldError::Placement(error) => ("targets.count", Mistake::new(error.to_string())),
+        WorldError::Track(error) => ("targets.tracks", Mistake::new(error.to_string())),
     }
 }
 

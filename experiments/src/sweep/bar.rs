@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use super::pace::Pace;
 use super::plan::Run;
 use super::record::RunRecord;
+use crate::tell;
 
 /// Progress on stderr.
 #[derive(Debug)]
@@ -62,7 +63,7 @@ impl Bar {
         self.violated += usize::from(record.violations() > 0);
         if !self.quiet {
             let line = format!("{}  {name}: {}", self.count(), record.describe());
-            self.bar.suspend(|| eprintln!("{line}"));
+            self.bar.suspend(|| tell!("{line}"));
         }
         self.bar.set_message(self.describe());
         self.bar.inc(1);

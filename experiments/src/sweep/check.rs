@@ -84,14 +84,15 @@ fn probe(loaded: Loaded) -> Probe {
     }
 }
 
-/// Hash of a scenario in full and of its map, hexadecimal. Neither its seed, its name nor the place of
-/// its map's file makes it another one.
+/// Hash of a scenario in full, of its map and of its tracks, hexadecimal. Neither its seed, its name nor
+/// the places of its files make it another one.
 pub fn hash(loaded: &Loaded) -> String {
     let mut scenario = loaded.kept();
     scenario.seed = 0;
     scenario.name.clear();
     let map = loaded.map.as_ref().map_or("", |map| &map.text);
-    hexadecimal(&format!("{}\0{map}", scenario.to_toml()))
+    let tracks = loaded.tracks.as_ref().map_or("", |tracks| &tracks.text);
+    hexadecimal(&format!("{}\0{map}{tracks}", scenario.to_toml()))
 }
 
 fn hexadecimal(text: &str) -> String {

@@ -142,6 +142,8 @@ pub fn metric(record: &RunRecord, key: &str) -> Option<f64> {
             let sent = record.number("messages.sent").filter(|sent| *sent > 0.0)?;
             Some(100.0 * record.number("messages.delivered")? / sent)
         }
+        // A fleet that has nothing to find finds it neither in time nor late.
+        RESTRICTED if record.number("targets") == Some(0.0) => None,
         RESTRICTED => record.number("all_identified_s").or_else(|| record.number("sim_s")),
         key => record.number(key),
     }

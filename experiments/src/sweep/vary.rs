@@ -7,6 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::scenario::Mistake;
+use crate::scenario::set::value;
 use crate::scenario::source::Place;
 
 /// One `--vary`: keys that vary together, and their values.
@@ -159,11 +160,6 @@ pub fn dotted(key: &str) -> Option<String> {
             _ => return Some(path.join(".")),
         }
     }
-}
-
-/// The TOML value of a text; `None` for a plain word.
-fn value(text: &str) -> Option<toml::Value> {
-    toml::from_str::<toml::Table>(&format!("x={text}")).ok()?.remove("x")
 }
 
 fn shown(text: &str) -> String {

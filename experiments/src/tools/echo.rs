@@ -12,6 +12,7 @@ use super::ear::{Ear, Heard, Listen};
 use super::keys::{BadKey, key_expression};
 use super::line;
 use super::rates::{self, Rates};
+use crate::tell;
 use crate::timing::Stopwatch;
 use crate::wire::session::{self, Role, WireArguments, WireError};
 
@@ -156,7 +157,7 @@ fn listen(
     }
     match ear.missed() {
         0 => {}
-        missed => eprintln!("{missed} more came faster than they could be shown"),
+        missed => tell!("{missed} more came faster than they could be shown"),
     }
     Ok(())
 }
@@ -184,7 +185,7 @@ impl<'a> Silence<'a> {
         if !self.is_told && self.since.left(HINT_AFTER).is_zero() {
             self.is_told = true;
             let keys = self.keys;
-            eprintln!("nothing on `{keys}` yet; `csat doctor --key '{keys}'` tells why");
+            tell!("nothing on `{keys}` yet; `csat doctor --key '{keys}'` tells why");
         }
         Ok(())
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::WatchError;
 use super::feed::Document;
 use crate::show::read;
+use crate::tell;
 
 /// The documents of the run in a folder (or of a recording by its own name), by time. What is wrong
 /// with a recording that can be read in part is told on stderr.
@@ -14,7 +15,7 @@ use crate::show::read;
 pub fn load(dir: &Path) -> Result<Vec<Document>, WatchError> {
     let film = read::load(dir)?;
     if let Some(warning) = &film.warning {
-        eprintln!("warning: {warning}");
+        tell!("warning: {warning}");
     }
     let mut documents = Vec::with_capacity(film.documents.len());
     for recorded in film.documents {

@@ -184,7 +184,7 @@ pub fn from_geojson(
 }
 
 /// The mistakes that show before any file is read.
-fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
+pub fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
     let mut errors = Vec::new();
     let mut expect = |holds: bool, key: &'static str, got: String, expected: String| {
         if !holds {

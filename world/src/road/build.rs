@@ -31,7 +31,7 @@ pub(super) fn graph(segments: &[Segment], walls: &Walls, rules: &RoadRules) -> R
 /// The parameters of the stretches of a segment that keep their distance to all walls.
 fn clear_intervals([a, b]: Segment, walls: &Walls, clearance_m: f64) -> Vec<[f64; 2]> {
     let mut blocked: Vec<[f64; 2]> = Vec::new();
-    let near: Vec<_> = walls.near_segment([a, b], clearance_m).collect();
+    let near: Vec<_> = walls.near_segment([a, b], clearance_m).map(|(_, edges)| edges).collect();
     for edges in &near {
         blocked.extend(edges.iter().filter_map(|w| interval_near_segment([a, b], *w, clearance_m)));
     }

@@ -65,6 +65,11 @@ pub struct DoctorArguments {
 const HELP: &str = "\
 It listens for two seconds and changes nothing.
 
+Examples:
+  csat doctor
+  csat doctor --key view/0/targets                  why nothing is heard there
+  csat doctor --connect tcp/192.168.1.7:7447 --json
+
 Exit codes:
   0  all is well; there may be warnings
   1  there are problems
