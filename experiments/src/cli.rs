@@ -72,6 +72,7 @@ pub enum Command {
     /// Make the published tables and figures again, ours beside theirs
     Reproduce(ReproduceArguments),
     /// Put two runs, two sweeps or two reproductions side by side
+    #[command(after_help = examples::COMPARE)]
     Compare(CompareArguments),
     /// Report every mistake of a scenario at once; flies nothing
     #[command(after_help = examples::CHECK)]

@@ -3,6 +3,7 @@
 use csat_agent::estimate::Estimator;
 use csat_agent::estimate::evidence::Ager;
 use csat_agent::estimate::predict::Predictor;
+use csat_agent::mutant::Mutant;
 use csat_agent::region::Outer;
 use csat_experiments::plot::canvas::{Panel, group, label};
 use csat_experiments::plot::layers;

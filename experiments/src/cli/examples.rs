@@ -36,6 +36,12 @@ Examples:
   csat agent --id 1 --connect tcp/192.168.1.7:7447
   csat agent --id 2 --run 3 --patience 300         of the mission with seed 3";
 
+/// `csat compare`.
+pub const COMPARE: &str = "\
+Examples:
+  csat compare runs/city-seed1 runs/city-seed2
+  csat compare sweeps/before sweeps/after --json";
+
 /// `csat check`.
 pub const CHECK: &str = "\
 Examples:
@@ -51,7 +57,9 @@ Examples:
 /// `csat plot`.
 pub const PLOT: &str = "\
 Examples:
-  csat plot runs/city-seed1";
+  csat plot runs/city-seed1
+  csat plot runs/city-seed1 --agent 2      a map of what UAV 2 knows
+  csat plot runs/city-seed1 --agent all    of all, as small multiples";
 
 /// `csat scenarios`.
 pub const SCENARIOS: &str = "\

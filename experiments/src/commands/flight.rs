@@ -52,7 +52,7 @@ impl Flight<'_> {
                 Ok(record) => took_s.extend(record.and_then(|record| record.number("wall_s"))),
                 Err(bad) => {
                     if !self.quiet {
-                        eprintln!("{bad}; it is flown again");
+                        tell!("{bad}; it is flown again");
                     }
                     runs.push(*run);
                 }
@@ -99,7 +99,7 @@ fn is_bad(record: &RunRecord) -> bool {
 
 /// Says on stderr which runs are missing or not what they should be.
 pub fn complain(results: &Results) {
-    results.bad.iter().for_each(|bad| eprintln!("{bad}"));
+    results.bad.iter().for_each(|bad| tell!("{bad}"));
     for (run, record) in &results.runs {
         let name = results.manifest.run_name(run);
         match record {

@@ -34,6 +34,7 @@ use crate::seat::Seat;
 use crate::set_membership::SetMembership;
 use crate::timing::Stopwatch;
 use crate::wire::session::{self, Role, WireError};
+use crate::wire::waiting::Waiting;
 
 /// How often a process gives signs of life until it flies.
 const PROBE_PERIOD: Duration = Duration::from_millis(50);
@@ -198,6 +199,10 @@ struct Shell {
     asked: Vec<Query>,
     is_world_here: bool,
     since_start: Stopwatch,
+    /// For the first frame; `None` in a spawned agent, whose world tells who is missing.
+    waiting: Option<Waiting>,
+    /// N^u.
+    fleet: u16,
     /// Frames that it looked at.
     looked: u64,
 }
@@ -250,6 +255,8 @@ impl Shell {
             asked: Vec::new(),
             is_world_here: false,
             since_start: Stopwatch::start(),
+            waiting: (!arguments.leashed).then(Waiting::start),
+            fleet: scenario.agents.count,
             looked: 0,
         })
     }
@@ -314,10 +321,27 @@ impl Shell {
             return Err(AgentError::NoToken { key, limit_s });
         }
         self.since_probe = Stopwatch::start();
+        self.tell_who_is_missing();
         self.desk.probe(&Probe { process: self.process, answer: true });
         // Said again in case the world was not listening yet.
         self.desk.ready(&self.readiness());
         Ok(())
+    }
+
+    /// Says now and then why it does not fly yet.
+    fn tell_who_is_missing(&mut self) {
+        let Self { id, heard, fleet, waiting: Some(waiting), .. } = self else { return };
+        waiting.tell(|| {
+            let others = (0..*fleet).map(AgentId).filter(|agent| agent != id);
+            let silent: Vec<String> = others
+                .filter(|agent| !heard.contains_key(agent))
+                .map(|agent| agent.to_string())
+                .collect();
+            match silent.is_empty() {
+                true => format!("the world's first frame: UAV {id} hears all others"),
+                false => format!("UAVs {} to be heard by UAV {id}", silent.join(", ")),
+            }
+        });
     }
 
     fn readiness(&self) -> Ready {

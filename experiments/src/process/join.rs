@@ -17,7 +17,8 @@ use crate::engine;
 use crate::scenario::Scenario;
 use crate::timing::Stopwatch;
 use crate::tools::doctor;
-use crate::wire::session::Role;
+use crate::wire::session::{self, Role};
+use crate::wire::waiting::Waiting;
 
 /// How long a world may take to answer a query.
 const ANSWER_LIMIT: Duration = Duration::from_secs(2);
@@ -43,6 +44,7 @@ pub fn join(
         None => format!("csat/*/join/{agent}"),
     };
     let watch = Stopwatch::start();
+    let mut waiting = Waiting::start();
     loop {
         let replies = session.get(&key).payload(&payload).timeout(ANSWER_LIMIT).wait();
         if let Ok(reply) = replies.map_err(zenoh_error)?.recv() {
@@ -58,6 +60,15 @@ pub fn join(
             let limit_s = arguments.patience.as_secs();
             let cause = doctor::why_nobody(session, &arguments.wire, Role::Agent(arguments.id));
             return Err(AgentError::NoWorld { key, cause, limit_s });
+        }
+        // What a spawned agent waits for, its spawner sees.
+        if !arguments.leashed {
+            waiting.tell(|| {
+                let connect = session::shown_endpoints(&arguments.wire, Role::Agent(arguments.id));
+                format!(
+                    "a world to answer on `{key}` at {connect}; `csat doctor` tells who is there"
+                )
+            });
         }
         // Nothing else comes before there is a desk.
         if let Some(News::End(who)) = inbox.next(ASK_PERIOD) {
@@ -82,7 +93,9 @@ fn welcome(sample: &Sample) -> Result<Welcome, AgentError> {
 /// When there is no such world.
 pub fn links(scenario: &Scenario, map: Option<&str>) -> Result<Links, AgentError> {
     let obstruction = if scenario.netem.has_propagation() {
-        let config = scenario.world_config();
+        let mut config = scenario.world_config();
+        // Buildings only: an agent knows neither the cars nor their tracks.
+        config.targets.count = 0;
         let world = match map {
             Some(text) => World::from_geojson(&config, text, scenario.seed),
             None => World::new(&config, scenario.seed),

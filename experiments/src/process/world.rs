@@ -89,10 +89,9 @@ pub fn fly(
     let mut showcase = Showcase::declare(session, keys, &loaded).map_err(zenoh_error)?;
     let mut audience: Vec<&mut dyn Audience<SetMembership>> = vec![&mut showcase, audience];
     let is_over = || options.interrupted.load(std::sync::atomic::Ordering::SeqCst);
-    let flown =
-        fleet.gather(pace.patience, is_over, |_| {}).map_err(WorldError::from).and_then(|()| {
-            Ok(mission::run_fleet(loaded, &mut fleet, options, recorder, &mut audience)?)
-        });
+    let flown = fleet.gather(pace.patience, is_over).map_err(WorldError::from).and_then(|()| {
+        Ok(mission::run_fleet(loaded, &mut fleet, options, recorder, &mut audience)?)
+    });
     fleet.end(match &flown {
         Ok(outcome) if outcome.interrupted => "ended by the user",
         Err(WorldError::Fleet(FleetError::Interrupted)) => "ended by the user",

@@ -245,7 +245,8 @@ fn start(check: &mut Check, fleet: &FleetModel, size_m: [f64; 2]) {
             ("y_m", *y_m, size_m[1] / 2.0 + MAX_START_M),
             ("yaw_deg", *yaw_deg, 360.0),
         ];
-        for (name, value, most) in values.into_iter().filter(|(_, v, most)| !(v.abs() <= *most)) {
+        let is_within = |value: f64, most: f64| (-most..=most).contains(&value); // false for NaN
+        for (name, value, most) in values.into_iter().filter(|(_, v, most)| !is_within(*v, *most)) {
             let key = format!("agents.start[{index}].{name}");
             let text = format!("`{key}` cannot be {value}");
             let expected = match name {

@@ -6,3 +6,4 @@ pub mod pace;
 pub mod rarely;
 pub mod refusals;
 pub mod session;
+pub mod waiting;

@@ -44,6 +44,7 @@ use crate::plug::{Detail, Mission};
 use crate::stages;
 use crate::timing::{StageTimes, Stopwatch};
 use crate::wire::refusals;
+use crate::wire::waiting::Waiting;
 
 /// The part of a period after which a step in real time is closed.
 const CLOSE_SHARE: f64 = 0.8;
@@ -169,7 +170,7 @@ impl<M: Mission> RemoteFleet<M> {
         Self { restarts: Some(interrupted), ..self }
     }
 
-    /// Waits until every agent has a process and all hear each other. `progress` is told how many do.
+    /// Waits until every agent has a process and all hear each other; says who is missing meanwhile.
     ///
     /// # Errors
     /// When somebody is missing for too long, or `is_over` says so.
@@ -177,13 +178,12 @@ impl<M: Mission> RemoteFleet<M> {
         &mut self,
         limit: Duration,
         is_over: impl Fn() -> bool,
-        mut progress: impl FnMut(usize),
     ) -> Result<(), FleetError> {
         let watch = Stopwatch::start();
+        let mut waiting = Waiting::start();
         loop {
             self.roster.admit();
-            let missing = self.roster.missing();
-            progress(self.roster.count() - missing.len());
+            let missing = self.roster.awaited();
             if missing.is_empty() {
                 return Ok(());
             }
@@ -194,6 +194,9 @@ impl<M: Mission> RemoteFleet<M> {
             if left.is_zero() {
                 return Err(late(limit, &missing, self.roster.what_is_missing(&missing)));
             }
+            waiting.tell(|| {
+                format!("UAVs {} to {}", listed(&missing), self.roster.what_is_missing(&missing))
+            });
             if let Some(news) = self.port.next(left.min(LOOK)) {
                 self.take(news);
             }
@@ -479,9 +482,12 @@ impl<M: Mission> RemoteFleet<M> {
     }
 }
 
+fn listed(agents: &[AgentId]) -> String {
+    agents.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
 fn late(limit: Duration, whom: &[AgentId], what: String) -> FleetError {
-    let whom: Vec<String> = whom.iter().map(ToString::to_string).collect();
-    FleetError::Late { limit_s: limit.as_secs(), whom: whom.join(", "), what }
+    FleetError::Late { limit_s: limit.as_secs(), whom: listed(whom), what }
 }
 
 impl<M: Mission> Fleet<M> for RemoteFleet<M> {

@@ -80,6 +80,17 @@ impl Roster {
         ids.filter(|agent| self.process(*agent).is_none()).collect()
     }
 
+    /// The agents that are waited for before the mission: those without a process, or, once all have
+    /// one, those that do not take part.
+    pub fn awaited(&self) -> Vec<AgentId> {
+        let mut missing = self.missing();
+        let has_joined = |agent: &AgentId| self.seats[usize::from(agent.0)].process.is_some();
+        if !missing.iter().all(has_joined) {
+            missing.retain(|agent| !has_joined(agent));
+        }
+        missing
+    }
+
     /// What is still to happen, for people.
     pub fn what_is_missing(&self, missing: &[AgentId]) -> String {
         let has_joined = |agent: &AgentId| self.seats[usize::from(agent.0)].process.is_some();
