@@ -21,7 +21,7 @@ const MAX_WAITING_BYTES: usize = 256 << 20;
 const MAX_STREAMS: usize = 4096;
 /// How many messages that were heard out of order are remembered of each stream.
 const WINDOW: usize = 1024;
-/// How far ahead of this process's newest frame another may be, steps.
+/// In lockstep, how far ahead of this process's newest frame another may be, steps.
 const MAX_AHEAD: u32 = 64;
 
 /// Sender, life and radio.
@@ -126,7 +126,7 @@ pub enum EtherError {
 
 impl Ether {
     /// Takes a message that came under the key of `key`; the first one with its number counts. `newest` is
-    /// the step of this process's newest frame.
+    /// the step of this process's newest frame, `None` where others may be far ahead of it.
     ///
     /// # Errors
     /// When it is not kept.
