@@ -1,7 +1,7 @@
 //! The sans-I/O agent of the set-membership mission: frames and messages in, messages and commands
 //! out.
 //!
-//! Within a step: the frame is measured and what it proved is said at once; in
+//! Within a step: the frame, if the agent has a camera, is measured and what it proved is said at once; in
 //! [`handle_timeout`](csat_proto::agent::Agent::handle_timeout) it is applied together with all that
 //! others said, and, every T_MPC, guidance decides. Applied together and in one order, the same news
 //! make the same sets in every agent.
@@ -71,7 +71,7 @@ pub enum Event {
     },
 }
 
-/// One UAV of the set-membership mission.
+/// One UAV or ground station of the set-membership mission.
 #[derive(Debug, Clone)]
 pub struct SetMembershipAgent {
     config: AgentConfig,
@@ -154,12 +154,27 @@ impl SetMembershipAgent {
         &self.knowledge
     }
 
-    /// What its last frame proved; `None` before the first one.
+    /// What its last frame proved; `None` before the first one, and of a ground station.
     pub fn measured(&self) -> Option<&Measured> {
-        self.measured.as_ref()
+        self.measured.as_ref().filter(|_| !self.config.is_station())
     }
 
-    /// The pose of its last frame.
+    /// How old the newest frame of another UAV is that this agent heard of from that UAV, mean over the
+    /// other UAVs, seconds: the age of information. One that was never heard has the age of the mission.
+    /// `None` where there is no other UAV.
+    ///
+    /// # References
+    /// S. Kaul, R. Yates, M. Gruteser, *Real-time status: how often should one update?*, INFOCOM 2012.
+    pub fn news_age_s(&self) -> Option<f64> {
+        let others = (0..self.config.fleet.count).map(AgentId).filter(|id| *id != self.config.id);
+        let now = self.knowledge.step.0;
+        let age =
+            |id| now.saturating_sub(self.last_facts.get(&id).map_or(0, |(fact, _)| fact.step.0));
+        let ages: Vec<f64> = others.map(|id| f64::from(age(id)) * self.config.period_s).collect();
+        (!ages.is_empty()).then(|| ages.iter().sum::<f64>() / ages.len() as f64)
+    }
+
+    /// The pose of its last frame, or of its last step where there is no camera.
     pub fn pose(&self) -> &Pose {
         &self.pose
     }
@@ -179,8 +194,11 @@ impl SetMembershipAgent {
         self.outbox.withheld()
     }
 
-    /// H^OEM(x^u) ∩ F(x^u) at the pose of the last frame, for (5.45).
+    /// H^OEM(x^u) ∩ F(x^u) at the pose of the last frame, for (5.45); empty without a camera.
     pub fn predicted_hidden(&mut self) -> Raster {
+        if self.config.is_station() {
+            return Raster::empty(self.config.raster_grid());
+        }
         self.planner.predicted_hidden(&self.knowledge.oem, &self.pose)
     }
 
@@ -229,9 +247,11 @@ impl SetMembershipAgent {
     fn lineage(&self, frame: Option<(Step, Option<Said>)>, heard: &[Heard]) -> Identity {
         let AgentConfig { id, incarnation, exchange, .. } = &self.config;
         let told = |said: &Said| said.in_full && exchange.clock_skew_s == 0.0;
-        let own = frame.map(|(step, said)| match said.filter(told) {
-            Some(said) => said.identity,
-            None => Identity::of_all([id.0.into(), incarnation.0.into(), step.0.into()]),
+        let own = frame.and_then(|(step, said)| match said.filter(told) {
+            Some(said) => Some(said.identity),
+            // What proves nothing need not be known.
+            None if self.config.is_station() => None,
+            None => Some(Identity::of_all([id.0.into(), incarnation.0.into(), step.0.into()])),
         });
         let mut news: Vec<Identity> =
             own.into_iter().chain(heard.iter().map(|h| h.identity)).collect();
@@ -258,13 +278,14 @@ impl SetMembershipAgent {
     /// Where UAVs are, as far as is known.
     fn fleet(&self) -> Vec<[f64; 2]> {
         let own = [self.pose.p_world[0], self.pose.p_world[1]];
-        std::iter::once(own).chain(self.last_facts.values().map(|(_, at)| *at)).collect()
+        let own = (!self.config.is_station()).then_some(own);
+        own.into_iter().chain(self.last_facts.values().map(|(_, at)| *at)).collect()
     }
 
-    /// Who of the fleet sent a message. Who is not of it is nobody: there may be any number of them.
+    /// Which agent sent a message; `None` for a sender that is none: there may be any number of those.
     fn sender_of(&self, bytes: &[u8]) -> Option<AgentId> {
         let sender = Envelope::decode(bytes).ok()?.src;
-        (sender.0 < self.config.fleet.count).then_some(sender)
+        (sender.0 < self.config.agents()).then_some(sender)
     }
 
     fn reject(&mut self, from: Option<AgentId>, rejection: &Rejection) {
@@ -275,6 +296,48 @@ impl SetMembershipAgent {
             tracing::warn!(agent = %self.config.id, ?from, reason, detail, "dropped");
             self.events.push_back(Event::Rejected { step, from, reason: reason.into(), detail });
         }
+    }
+
+    /// A step begins at `pose`: what `measure` proves of it is said at once.
+    fn begin(
+        &mut self,
+        now: SimTime,
+        step: Step,
+        pose: Pose,
+        measure: impl FnOnce(&mut Sensor) -> Measured,
+    ) {
+        self.now = now;
+        let last = self.step();
+        if self.measured.is_some() && step <= last {
+            // What it shows is of then, and would be believed of now.
+            return self.reject(None, &Rejection::OldFrame { got: step.0, last: last.0 });
+        }
+        self.stirred = true;
+        self.pose = pose;
+        // The frame before was never followed by a timeout: whoever drives this is late.
+        self.update();
+        let measured = measure(&mut self.sensor);
+        let held = match self.config.exchange.mode {
+            ExchangeMode::FactsRepair => {
+                let map = self.knowledge.block_hashes();
+                self.repair.hold(step, self.held.facts(), map)
+            }
+            _ => Digest::default(),
+        };
+        let account = Account {
+            now,
+            step,
+            pose,
+            measured: &measured,
+            changed: self.knowledge.oem.changes(&measured.oem),
+            knowledge: &self.knowledge,
+            held,
+            uavs: self.fleet(),
+        };
+        let said = self.outbox.say_step(&account, &mut self.repair);
+        self.measured = Some(measured);
+        self.frame = Some((step, said));
+        self.scheduler.on_frame(now, step);
     }
 
     /// One pass of guidance: plan, announce, and after the last one command the vehicle.
@@ -318,46 +381,23 @@ impl Agent for SetMembershipAgent {
     type Event = Event;
 
     fn handle_frame(&mut self, now: SimTime, frame: &Frame) {
-        self.now = now;
-        let last = self.step();
-        if self.measured.is_some() && frame.step <= last {
-            // What it shows is of then, and would be believed of now.
-            return self.reject(None, &Rejection::OldFrame { got: frame.step.0, last: last.0 });
-        }
-        self.stirred = true;
-        self.pose = frame.pose;
-        // The frame before was never followed by a timeout: whoever drives this is late.
-        self.update();
-        let measured = info_span!("sense").in_scope(|| self.sensor.measure(frame));
-        let held = match self.config.exchange.mode {
-            ExchangeMode::FactsRepair => {
-                let map = self.knowledge.block_hashes();
-                self.repair.hold(frame.step, self.held.facts(), map)
-            }
-            _ => Digest::default(),
-        };
-        let account = Account {
-            now,
-            step: frame.step,
-            pose: self.pose,
-            measured: &measured,
-            changed: self.knowledge.oem.changes(&measured.oem),
-            knowledge: &self.knowledge,
-            held,
-            uavs: self.fleet(),
-        };
-        let said = self.outbox.say_step(&account, &mut self.repair);
-        self.measured = Some(measured);
-        self.frame = Some((frame.step, said));
-        self.scheduler.on_frame(now, frame.step);
+        self.begin(now, frame.step, frame.pose, |sensor| {
+            info_span!("sense").in_scope(|| sensor.measure(frame))
+        });
+    }
+
+    fn handle_step(&mut self, now: SimTime, step: Step, pose: Pose) {
+        let grid = self.config.raster_grid();
+        self.begin(now, step, pose, |_| Measured::nothing(grid));
     }
 
     fn handle_message(&mut self, now: SimTime, bytes: &[u8]) {
         self.now = now;
         match self.inbox.receive(self.step(), bytes, &self.held) {
             Ok(Received::Knowledge { from, p_world, fact }) => {
+                let is_uav = from.0 < self.config.fleet.count;
                 let known = self.last_facts.get(&from);
-                if known.is_none_or(|(known, _)| known.step <= fact.step) {
+                if is_uav && known.is_none_or(|(known, _)| known.step <= fact.step) {
                     self.last_facts.insert(from, (fact, [p_world[0], p_world[1]]));
                 }
             }
@@ -365,7 +405,8 @@ impl Agent for SetMembershipAgent {
                 match self.scheduler.on_plan(from, &plan) {
                     Ok(()) => {
                         self.inbox.believe(from, incarnation);
-                        self.stirred = true;
+                        // A station has no decision that waits for it.
+                        self.stirred |= !self.config.is_station();
                     }
                     Err(error) => self.reject(Some(from), &Rejection::Plan(error)),
                 }

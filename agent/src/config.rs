@@ -23,6 +23,8 @@ pub struct AgentConfig {
     pub targets: TargetsModel,
     /// The fleet.
     pub fleet: FleetModel,
+    /// How many ground stations there are: the agents after the UAVs.
+    pub stations: u16,
     /// The camera.
     pub camera: CameraModel,
     /// `[estimator]`.
@@ -66,6 +68,16 @@ pub struct Channels {
 }
 
 impl AgentConfig {
+    /// How many agents there are: UAVs and ground stations.
+    pub fn agents(&self) -> u16 {
+        self.fleet.count.saturating_add(self.stations)
+    }
+
+    /// Whether this agent is a ground station, which has no camera and makes no plans.
+    pub fn is_station(&self) -> bool {
+        (self.fleet.count..self.agents()).contains(&self.id.0)
+    }
+
     /// How many steps it takes until `seconds` are over, as many as can be counted at most.
     pub fn steps(&self, seconds: f64) -> u32 {
         // The conversion saturates.
@@ -287,6 +299,7 @@ pub(crate) mod tests {
             ground: Ground { size_m },
             targets: TargetsModel::default(),
             fleet: FleetModel::default(),
+            stations: 0,
             camera: CameraModel::default(),
             estimator: EstimatorConfig::default(),
             guidance: GuidanceConfig::default(),

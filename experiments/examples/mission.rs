@@ -38,6 +38,10 @@ impl Agent for Counter {
         self.0.seen.extend(frame.detections.iter().map(|detection| detection.target));
     }
 
+    fn handle_step(&mut self, _: SimTime, step: Step, pose: Pose) {
+        (self.0.step, self.0.pose) = (step, pose);
+    }
+
     fn handle_message(&mut self, _: SimTime, _: &[u8]) {}
     fn handle_timeout(&mut self, _: SimTime) {}
 
@@ -81,8 +85,8 @@ impl Mission for Census {
         Counter(Count::default())
     }
 
-    fn camera(&self) -> CameraModel {
-        self.camera
+    fn camera(&self, _: AgentId) -> Option<CameraModel> {
+        Some(self.camera)
     }
 
     fn report(&self, agent: &mut Counter, _: Detail) -> Count {

@@ -14,6 +14,7 @@
 //! | [`metrics`] | one agent at one step: thesis (5.36)-(5.45) |
 //! | [`series`] | those over time, averaged over agents and over the second half |
 //! | [`summary`] | a mission in numbers |
+//! | [`station`] | what a ground station knew, in numbers |
 //! | [`sweep`] | every combination with every seed, and the report |
 //! | [`compare`] | two runs, sweeps or reproductions side by side |
 //! | [`reproduce`] | the published tables and figures, ours beside theirs |
@@ -61,6 +62,7 @@ pub mod series;
 pub mod set_membership;
 pub mod show;
 pub mod stages;
+pub mod station;
 pub mod summary;
 pub mod sweep;
 pub mod terminal;

@@ -8,6 +8,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::timing::StageTimes;
 
+/// What an agent is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    /// A UAV.
+    #[default]
+    Uav,
+    /// A ground station.
+    Station,
+}
+
 /// One agent at one step: a row of `metrics.csv`. What is said of the fleet is the same in all rows
 /// of a step. Per cent are of the ground area φ(X_g).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -58,6 +69,13 @@ pub struct StepRecord {
     pub ground_seen_pct: f64,
     /// Fleet: Φ^{g,cum} (5.42), per cent.
     pub explored_pct: f64,
+    /// What the agent is.
+    #[serde(default)]
+    pub role: Role,
+    /// How old the newest frame of another UAV is that the agent heard of from that UAV, mean over the other
+    /// UAVs, seconds; `None` where there are none.
+    #[serde(default)]
+    pub news_age_s: Option<f64>,
     /// What the stages took; not in the file, which is the same for equal runs.
     #[serde(skip)]
     pub times: StageTimes,

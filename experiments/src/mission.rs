@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use crate::engine::{Engine, StepTrace};
 use crate::fleet::{Fleet, Flown};
-use crate::metrics::{Coverage, StepRecord, targets_in_fov};
+use crate::metrics::{Coverage, Role, StepRecord, targets_in_fov};
 use crate::passages::{LinkRow, passage_lines};
 use crate::plug::{Detail, Mission, Tally};
 use crate::record::{Outcome, RecordError, Recorder};
@@ -157,7 +157,8 @@ fn still_view(name: &str, scenario: &Scenario, world: &World) -> View {
             .map(|o| Building { rings: o.rings().collect(), height_m: o.height_m })
             .collect(),
         roads: world.roads().edges().iter().map(|edge| edge.line.clone()).collect(),
-        uavs: vec![UavTrack::default(); world.poses().len()],
+        uavs: vec![UavTrack::default(); usize::from(scenario.agents.count)],
+        stations: scenario.stations.clone(),
         targets: vec![Vec::new(); world.targets().len()],
         attribution: world.map().attribution.clone(),
         ..View::default()
@@ -259,7 +260,7 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
         Ok(())
     }
 
-    /// One row per agent that runs.
+    /// One row per agent that runs, those of the UAVs first.
     fn measure(&mut self, trace: &StepTrace<M>, time_s: f64) -> Vec<StepRecord> {
         let truth: Vec<[f64; 2]> =
             self.engine.world().targets().iter().map(|t| t.location).collect();
@@ -280,6 +281,7 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
                 step,
                 time_s,
                 agent: flown.agent.0,
+                role: if mission.camera(flown.agent).is_some() { Role::Uav } else { Role::Station },
                 x_m,
                 y_m,
                 z_m,
@@ -306,7 +308,7 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
         steps.into_iter().filter_map(located).collect()
     }
 
-    /// What is the same in every row of a step.
+    /// What is the same in every row of a step: it is of the UAVs.
     fn measure_fleet(&mut self, flown: &[Flown<M>], truth: &[[f64; 2]]) -> StepRecord {
         let mut fleet = StepRecord::default();
         let (mut identified, mut detected) =
@@ -315,13 +317,13 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
         self.view.uavs.iter_mut().for_each(|uav| uav.footprint.clear());
         for flown in flown {
             let Some(report) = &flown.report else { continue };
+            let Some(uav) = self.view.uavs.get_mut(usize::from(flown.agent.0)) else { continue };
             let watched = self.mission.watched(report);
             identified.extend(&watched.identified);
             detected.extend(&watched.detected);
             if let Some(clear_ground) = watched.clear_ground {
                 self.coverage.add(&watched.footprint, clear_ground);
             }
-            let uav = &mut self.view.uavs[usize::from(flown.agent.0)];
             uav.footprint.clone_from(&watched.footprint);
             footprints.push(watched.footprint);
         }

@@ -29,11 +29,11 @@ pub trait Mission: Sync {
     /// What an agent's observers get to know of it at the end of a step.
     type Report: Debug + Serialize + DeserializeOwned + Send + Sync;
 
-    /// The agent of a UAV at the start of one of its lives.
+    /// The agent of a UAV or a ground station at the start of one of its lives.
     fn agent(&self, id: AgentId, incarnation: Incarnation) -> Self::Agent;
 
-    /// The camera of every UAV.
-    fn camera(&self) -> CameraModel;
+    /// The camera of an agent; `None` for a ground station.
+    fn camera(&self, id: AgentId) -> Option<CameraModel>;
 
     /// What the agent's observers get to know.
     fn report(&self, agent: &mut Self::Agent, detail: Detail) -> Self::Report;
@@ -107,7 +107,7 @@ impl Tally {
 /// What an agent watches at one step.
 #[derive(Debug, Clone, Default)]
 pub struct Watched<'a> {
-    /// F ∩ {z = 0}, `world`, metres.
+    /// F ∩ {z = 0}, `world`, metres; empty without a camera.
     pub footprint: Vec<[f64; 2]>,
     /// C, the ground it sees.
     pub clear_ground: Option<&'a Region>,

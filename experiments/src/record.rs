@@ -3,17 +3,19 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use csat_proto::model::Station;
 use serde::Serialize;
 
 use crate::fleet::Frames;
-use crate::metrics::StepRecord;
+use crate::metrics::{Role, StepRecord};
 use crate::passages::LinkRow;
 use crate::plot;
 use crate::progress::Progress;
 use crate::provenance::Provenance;
 use crate::run_folder::{Destination, FolderError, PartialFile, RunFolder};
 use crate::scenario::{Loaded, MAP_FILE, TRACKS_FILE};
-use crate::series::{Point, Series};
+use crate::series::{Curves, Series};
+use crate::station::{StationMeans, StationSummary};
 use crate::summary::{Messages, Summary};
 use crate::timing::{Stopwatch, Timing};
 use crate::view::View;
@@ -95,10 +97,11 @@ pub struct Recorder {
     seed: u64,
     agents: u16,
     targets: u16,
+    stations: Vec<Station>,
     thesis_setting: bool,
     metrics: csv::Writer<PartialFile>,
     events: PartialFile,
-    series: Series,
+    curves: Curves,
     timing: Timing,
     progress: Progress,
     watch: Stopwatch,
@@ -132,7 +135,8 @@ impl Recorder {
             thesis_setting: scenario.is_thesis_setting(),
             metrics,
             events,
-            series: Series::default(),
+            curves: Curves::default(),
+            stations: scenario.stations.clone(),
             timing: Timing::default(),
             progress: Progress::new(scenario.steps(), scenario.targets.count, options.quiet),
             watch: Stopwatch::start(),
@@ -158,11 +162,13 @@ impl Recorder {
     pub fn step(&mut self, rows: &[StepRecord], violations: u64) -> Result<(), RecordError> {
         for row in rows {
             self.metrics.serialize(row).map_err(|error| self.csv_error(error))?;
-            self.timing.add(&row.times);
+            // A station's steps take next to nothing: they would make the UAVs look fast.
+            if row.role == Role::Uav {
+                self.timing.add(&row.times);
+            }
         }
-        if let Some(point) = Point::of(rows) {
+        if let Some(point) = self.curves.add(rows) {
             self.progress.step(&point, violations);
-            self.series.0.push(point);
         }
         Ok(())
     }
@@ -183,7 +189,7 @@ impl Recorder {
     pub fn finish(self, outcome: Outcome) -> Result<Finished, RecordError> {
         self.progress.clear();
         let summary = self.summarise(&outcome);
-        let Self { folder, metrics, events, series, .. } = self;
+        let Self { folder, metrics, events, curves, .. } = self;
         let path = folder.partial().join("metrics.csv");
         let file = metrics.into_inner().map_err(|e| RecordError::Csv {
             path: path.clone(),
@@ -194,7 +200,7 @@ impl Recorder {
         folder.write("links.csv", &links_csv(&outcome.links)?)?;
         folder.write("view.json", &(serde_json::to_string(&outcome.view)? + "\n"))?;
         folder.write("map.svg", &plot::map_svg(&outcome.view, 0))?;
-        folder.write("metrics.svg", &plot::metrics_svg(&summary, &series)?)?;
+        folder.write("metrics.svg", &plot::metrics_svg(&summary, &curves)?)?;
         // Last: a folder with a summary is a whole one.
         folder.write("summary.json", &summary.to_json())?;
         Ok(Finished { folder: folder.finish()?, summary })
@@ -211,7 +217,8 @@ impl Recorder {
 
     fn summarise(&self, outcome: &Outcome) -> Summary {
         let wall_s = self.watch.elapsed_s();
-        let last = self.series.0.last().copied().unwrap_or_default();
+        let series = &self.curves.fleet;
+        let last = series.0.last().copied().unwrap_or_default();
         Summary {
             scenario: self.scenario.clone(),
             seed: self.seed,
@@ -223,9 +230,10 @@ impl Recorder {
             violations: outcome.violations,
             inconsistencies: outcome.inconsistencies,
             identified: last.identified_union,
-            all_identified_s: self.series.all_identified_s(self.targets),
-            means: self.series.second_half(),
+            all_identified_s: series.all_identified_s(self.targets),
+            means: series.second_half(),
             last: last.means,
+            stations: self.summarise_stations(&outcome.links),
             frames: outcome.frames.clone(),
             refused: outcome.refused.clone(),
             messages: outcome.messages.clone(),
@@ -236,6 +244,27 @@ impl Recorder {
             realtime_factor: outcome.sim_s / wall_s.max(1e-9),
             digest: format!("{:016x}", outcome.digest),
         }
+    }
+
+    fn summarise_stations(&self, links: &[LinkRow]) -> Vec<StationSummary> {
+        let nothing = Series::default();
+        let summarise = |(agent, station): (u16, &Station)| {
+            let series = self.curves.stations.get(&agent).unwrap_or(&nothing);
+            let to_it = || links.iter().filter(|link| link.dst.0 == agent);
+            let Station { x_m, y_m, z_m } = *station;
+            StationSummary {
+                agent,
+                x_m,
+                y_m,
+                z_m,
+                all_identified_s: series.identified_s(self.targets),
+                means: StationMeans::of_half(series),
+                last: series.0.last().map(StationMeans::of).unwrap_or_default(),
+                sent_to: to_it().map(|link| link.sent).sum(),
+                delivered_to: to_it().map(|link| link.delivered).sum(),
+            }
+        };
+        (self.agents..).zip(&self.stations).map(summarise).collect()
     }
 
     fn csv_error(&self, error: csv::Error) -> RecordError {

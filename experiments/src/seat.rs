@@ -13,7 +13,7 @@ use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::Pose;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
-use csat_proto::time::SimTime;
+use csat_proto::time::{SimTime, Step};
 
 use crate::fleet::{Flown, Passage};
 use crate::plug::{Detail, Mission};
@@ -60,7 +60,7 @@ pub struct Said {
 }
 
 impl<M: Mission> Seat<M> {
-    /// The seat of a UAV whose agent is in its first life; `links` decide what it hears.
+    /// The seat of an agent in its first life; `links` decide what it hears.
     pub fn new(mission: &M, id: AgentId, links: Links) -> Self {
         Self {
             agent: mission.agent(id, Incarnation(0)),
@@ -100,7 +100,7 @@ impl<M: Mission> Seat<M> {
         &mut self.links
     }
 
-    /// A step begins with the UAV at `pose`. `life` is the agent's, `None` while it is down; another
+    /// A step begins with the agent at `pose`. `life` is the agent's, `None` while it is down; another
     /// life than before begins with an agent that knows nothing.
     pub fn begin(&mut self, mission: &M, life: Option<Incarnation>, pose: &Pose) {
         self.pose = *pose;
@@ -128,6 +128,15 @@ impl<M: Mission> Seat<M> {
         }
         let ((), times) = stages::collect(|| self.agent.handle_frame(now, &frame()));
         self.times.add(&times);
+    }
+
+    /// Tells an agent without camera that a step begins, if it runs.
+    pub fn step(&mut self, now: SimTime, step: Step) {
+        if self.is_alive {
+            let pose = self.pose;
+            let ((), times) = stages::collect(|| self.agent.handle_step(now, step, pose));
+            self.times.add(&times);
+        }
     }
 
     /// Another agent said something: the links decide when it arrives here, if at all.

@@ -1,10 +1,11 @@
-//! A mission's metrics over time, averaged over its agents.
+//! A mission's metrics over time, averaged over its UAVs, and those of each ground station.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::StepRecord;
+use crate::metrics::{Role, StepRecord};
 
 /// The metrics that the summary and the plots speak of. Per cent are of the ground area.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -27,7 +28,7 @@ pub struct Means {
     pub oem_iou_pct: Option<f64>,
 }
 
-/// One step of a mission.
+/// One step of a mission, of its UAVs or of a station.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Point {
     /// Simulated time, seconds.
@@ -40,13 +41,21 @@ pub struct Point {
     pub targets_in_fov: u16,
     /// Targets that at least one CVS identified in this step.
     pub targets_detected: u16,
+    /// How old news of UAVs are, mean, seconds.
+    pub news_age_s: Option<f64>,
     /// The rest, averaged over the agents that have a value.
     pub means: Means,
 }
 
 impl Point {
-    /// Of the rows of one step; `None` without rows.
+    /// Of the UAVs in the rows of one step; `None` if there are none.
     pub fn of(rows: &[StepRecord]) -> Option<Self> {
+        // Those of the stations are the last ones.
+        Self::mean(&rows[..rows.partition_point(|row| row.role == Role::Uav)])
+    }
+
+    /// The mean of rows of one step.
+    fn mean(rows: &[StepRecord]) -> Option<Self> {
         let first = rows.first()?;
         let mean =
             |value: fn(&StepRecord) -> f64| rows.iter().map(value).sum::<f64>() / rows.len() as f64;
@@ -56,6 +65,7 @@ impl Point {
             identified_union: first.identified_union,
             targets_in_fov: first.targets_in_fov,
             targets_detected: first.targets_detected,
+            news_age_s: some_mean(rows.iter().map(|r| r.news_age_s)),
             means: Means {
                 unexplored_pct: mean(|r| r.unexplored_pct),
                 hidden_pct: mean(|r| r.hidden_pct),
@@ -80,14 +90,25 @@ fn some_mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     (count > 0.0).then(|| sum / count)
 }
 
-/// A mission, step by step.
+/// The curves of a mission.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Series(pub Vec<Point>);
+pub struct Curves {
+    /// Of its UAVs, mean.
+    pub fleet: Series,
+    /// Of each ground station, by agent.
+    pub stations: BTreeMap<u16, Series>,
+}
 
-impl Series {
-    /// From the rows of `metrics.csv`, in order.
-    pub fn from_rows(rows: &[StepRecord]) -> Self {
-        Self(rows.chunk_by(|a, b| a.step == b.step).filter_map(Point::of).collect())
+impl Curves {
+    /// Adds the rows of one step and gives the fleet's point.
+    pub fn add(&mut self, rows: &[StepRecord]) -> Option<Point> {
+        for row in rows.iter().filter(|row| row.role == Role::Station) {
+            let point = Point::mean(std::slice::from_ref(row));
+            self.stations.entry(row.agent).or_default().0.extend(point);
+        }
+        let point = Point::of(rows);
+        self.fleet.0.extend(point);
+        point
     }
 
     /// From a `metrics.csv`.
@@ -100,6 +121,21 @@ impl Series {
         Ok(Self::from_rows(&rows?))
     }
 
+    /// From the rows of `metrics.csv`, in order.
+    pub fn from_rows(rows: &[StepRecord]) -> Self {
+        let mut curves = Self::default();
+        for step in rows.chunk_by(|a, b| a.step == b.step) {
+            curves.add(step);
+        }
+        curves
+    }
+}
+
+/// Points, step by step.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Series(pub Vec<Point>);
+
+impl Series {
     /// The points of the second half of the flown time: t = 150..300 s of the thesis's missions.
     pub fn half(&self) -> impl Iterator<Item = &Point> {
         let half_s = self.0.last().map_or(0.0, |p| p.time_s / 2.0);
@@ -123,6 +159,17 @@ impl Series {
             target_radius_m: some_mean(half.iter().map(|m| m.target_radius_m)),
             oem_iou_pct: some_mean(half.iter().map(|m| m.oem_iou_pct)),
         }
+    }
+
+    /// The mean of a value over the second half of the flown time.
+    pub fn half_mean(&self, value: fn(&Point) -> Option<f64>) -> Option<f64> {
+        some_mean(self.half().map(value))
+    }
+
+    /// When a station had identified all of `targets` targets; never where there are none.
+    pub fn identified_s(&self, targets: u16) -> Option<f64> {
+        let all = self.0.iter().find(|p| targets > 0 && p.identified >= f64::from(targets));
+        all.map(|p| p.time_s)
     }
 
     /// When the fleet had identified all of `targets` targets; never where there are none.
@@ -160,7 +207,7 @@ mod tests {
             row(3, 0, 10.0, None),
             row(3, 1, 30.0, Some(4.0)),
         ];
-        let series = Series::from_rows(&rows);
+        let series = Curves::from_rows(&rows).fleet;
         assert_eq!(series.0.len(), 4);
         // Steps 2 and 3 are at 1.0 s and 1.5 s; half of the last time is 0.75 s.
         let means = series.second_half();
@@ -171,5 +218,31 @@ mod tests {
         assert_eq!(series.all_identified_s(4), None);
         assert_eq!(series.all_identified_s(0), None, "no time at which none were found");
         assert_eq!(Series::default().second_half(), Means::default());
+    }
+
+    #[test]
+    fn a_station_has_a_curve_of_its_own() {
+        let station = |step, unexplored_pct| StepRecord {
+            role: Role::Station,
+            news_age_s: Some(unexplored_pct / 10.0),
+            ..row(step, 2, unexplored_pct, None)
+        };
+        // In real time an agent may miss a step.
+        let rows = [
+            row(0, 0, 60.0, None),
+            row(0, 1, 80.0, None),
+            station(0, 100.0),
+            station(1, 90.0),
+            row(2, 0, 40.0, None),
+        ];
+        let curves = Curves::from_rows(&rows);
+        let unexplored = |series: &Series| -> Vec<f64> {
+            series.0.iter().map(|point| point.means.unexplored_pct).collect()
+        };
+        assert_eq!(unexplored(&curves.fleet), [70.0, 40.0]);
+        assert_eq!(curves.stations.keys().collect::<Vec<_>>(), [&2]);
+        assert_eq!(unexplored(&curves.stations[&2]), [100.0, 90.0]);
+        assert_eq!(curves.stations[&2].half_mean(|point| point.news_age_s), Some(9.0));
+        assert_eq!(curves.fleet.half_mean(|point| point.news_age_s), None);
     }
 }

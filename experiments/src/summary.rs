@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::fleet::Frames;
 use crate::series::Means;
+use crate::station::StationSummary;
 use crate::timing::TimingSummary;
+use crate::words::named;
 
 /// A mission in numbers. Outside checks rely on these keys.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -35,13 +37,17 @@ pub struct Summary {
     pub identified: u16,
     /// When all targets were identified, seconds; null if never, or if there is no target.
     pub all_identified_s: Option<f64>,
-    /// Means over the second half of the mission and over the agents.
+    /// Means over the second half of the mission and over the UAVs.
     #[serde(flatten)]
     pub means: Means,
     /// The same at the last step.
     #[serde(rename = "final")]
     pub last: Means,
-    /// What became of each agent's frames, by index: in real time slow agents miss some.
+    /// What the ground stations knew, none if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stations: Vec<StationSummary>,
+    /// What became of each agent's frames, by index, stations last: in real time slow agents miss some. A
+    /// station has no frames, but the steps that it was told of.
     #[serde(default)]
     pub frames: Vec<Frames>,
     /// What the processes of a fleet did not believe of what was said to them, by kind; empty unless a
@@ -123,7 +129,8 @@ impl Summary {
             self.messages.describe(),
             self.bytes_sent as f64 / 1e6,
             self.digest,
-            self.missed(),
+            self.stations.iter().map(|s| s.describe(self.targets)).collect::<String>()
+                + &self.missed(),
             self.refused(),
         )
     }
@@ -135,8 +142,10 @@ impl Summary {
             let spans = silent_s.iter().map(|[from, to]| format!(" from {from} s to {to} s"));
             let spans: Vec<String> = spans.collect();
             let silent = if spans.is_empty() { "" } else { ", silent" };
+            let frames = if agent < usize::from(self.agents) { "frames" } else { "steps" };
+            let name = named([agent as u16], self.agents);
             format!(
-                "\nwarning: UAV {agent} missed {missed} of {shown} frames{silent}{}",
+                "\nwarning: {name} missed {missed} of {shown} {frames}{silent}{}",
                 spans.join(" and")
             )
         };
@@ -198,6 +207,7 @@ pub(crate) mod tests {
             all_identified_s: Some(93.5),
             means: Means { unexplored_pct: 21.5, oem_iou_pct: Some(74.0), ..Means::default() },
             last: Means { unexplored_pct: 20.0, ..Means::default() },
+            stations: Vec::new(),
             frames: vec![Frames { shown: 601, ..Frames::default() }; 4],
             refused: BTreeMap::new(),
             messages: Messages {
@@ -296,6 +306,15 @@ pub(crate) mod tests {
         slow.refused = BTreeMap::from([("frame".into(), 2), ("order".into(), 1)]);
         assert!(slow.describe().contains("\nwarning: refused what cannot be"), "{slow:?}");
         assert!(slow.describe().contains("(frame 2, order 1)"), "{slow:?}");
+        assert!(!text.contains("station"), "{text}");
+        slow.stations = vec![crate::station::tests::sample()];
+        slow.refused = BTreeMap::new();
+        slow.frames = vec![Frames { shown: 601, ..Frames::default() }; 5];
+        slow.frames[4].missed = 2;
+        let text = slow.describe();
+        let expected = "messages reached it
+warning: station 4 missed 2 of 601 steps";
+        assert!(text.ends_with(expected), "{text}");
         let early = Summary { interrupted: true, all_identified_s: None, ..sample() }.describe();
         assert!(
             early.contains("ended early by the user") && early.contains("(not all)"),

@@ -1,5 +1,6 @@
 //! `view.json`: all that `map.svg` is drawn from, in metres of `world`.
 
+use csat_proto::model::Station;
 use csat_proto::oem::OemCell;
 use csat_proto::raster::{Grid, Raster};
 use csat_proto::region::{Region, metres};
@@ -28,11 +29,14 @@ pub struct View {
     pub obstacles: Vec<Building>,
     /// Centre lines of roads.
     pub roads: Vec<Vec<[f64; 2]>>,
-    /// The fleet, by index.
+    /// The UAVs, by index.
     pub uavs: Vec<UavTrack>,
+    /// The ground stations; the first is the agent after the last UAV.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stations: Vec<Station>,
     /// The true locations of each target, by index and step.
     pub targets: Vec<Vec<[f64; 2]>>,
-    /// What each agent knows, by index.
+    /// What each agent knows, by index: the UAVs, then the stations.
     pub agents: Vec<Knowledge>,
     /// The line that whoever shows the map has to show with it.
     pub attribution: Option<String>,

@@ -53,6 +53,9 @@ fn lockstep_gives_to_the_last_byte_what_one_process_gives() {
     let crash = "netem.outage=[{kind=\"crash\",agent=1,from_s=3.0,until_s=5.0}]";
     let storm = "netem.outage=[{kind=\"crash\",agent=0,from_s=2.0,until_s=4.0},\
                  {kind=\"crash\",agent=2,from_s=8.0,until_s=99.0}]";
+    // Agents 2 and 3, on the ground, to the west and to the north.
+    let stations = "stations=[{x_m=-80,y_m=0,z_m=0},{x_m=0,y_m=80,z_m=3}]";
+    let station_crash = "netem.outage=[{kind=\"crash\",agent=2,from_s=3.0,until_s=5.0}]";
     for sets in [
         &["agents.count=1"][..],
         &["exchange.mode=snapshot", "agents.count=3"],
@@ -60,6 +63,8 @@ fn lockstep_gives_to_the_last_byte_what_one_process_gives() {
         &["exchange.mode=facts+repair", "agents.count=4", bursty, slow, crash],
         &["exchange.mode=facts+repair", "agents.count=3", bursty, storm],
         &["exchange.mode=none"],
+        &[stations, "netem.radio.propagation={obstruction_db=40}", station_crash],
+        &[stations, "exchange.mode=snapshot", slow],
     ] {
         let folder = scratch();
         let endpoint = endpoint();
@@ -332,8 +337,8 @@ fn whoever_does_not_belong_is_refused_with_a_reason() {
     let fleet = spawn(folder.path(), &endpoint, "3000", &[]);
     wait_for_flight(folder.path());
     for (arguments, code, expected) in [
-        (&["agent", "--id", "1"][..], 2, "UAV 1 is flown by another process"),
-        (&["agent", "--id", "7"], 2, "there is no UAV 7 in a fleet of 2"),
+        (&["agent", "--id", "1"][..], 2, "agent 1 is flown by another process"),
+        (&["agent", "--id", "7"], 2, "there is no agent 7 among 2"),
         (&["agent", "--id", "1", "--run", "99", "--patience", "1"], 1, "waited 1 s for a world"),
     ] {
         let output = csat(folder.path(), &[arguments, &["--connect", &endpoint]].concat());

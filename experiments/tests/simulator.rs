@@ -123,7 +123,7 @@ fn a_foreign_world_refuses_and_carries_on() {
         csat(folder.path(), &["agent", "--id", "1", "--connect", &endpoint]);
     let said = text(&stderr);
     assert_eq!(status.code(), Some(2), "{said}");
-    assert!(said.contains("the world refuses UAV 1: there is no UAV 1 here, only 0"), "{said}");
+    assert!(said.contains("the world refuses agent 1: there is no UAV 1 here, only 0"), "{said}");
     let agent = agent(folder.path(), &endpoint);
     assert_eq!((world.end().0, agent.end().0), (Some(0), Some(0)));
 }

@@ -61,8 +61,8 @@ fn worlds_and_agents_say_who_is_missing() {
     first.expect(&world);
     let world = ["world", "--patience", "600", "--listen", &endpoint, "--out", "out"];
     let world = Talker::start(folder.path(), &[&world[..], SMALL].concat());
-    first.expect("waiting for UAVs 1 to be heard by UAV 0");
-    world.expect("waiting for UAVs 1 to join: `csat agent --id N --connect ENDPOINT`");
+    first.expect("waiting for UAV 1 to be heard by UAV 0");
+    world.expect("waiting for UAV 1 to join: `csat agent --id N --connect ENDPOINT`");
     // The mission flies once all are there.
     let _second = agent("1");
     common::fleet::wait_until("the mission flies", || folder.path().join("out").exists());

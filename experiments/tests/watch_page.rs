@@ -87,6 +87,44 @@ fn keys_and_buttons_work(browser: &mut Browser) {
     browser.wait_for("document.getElementById('play').textContent === 'Play'");
 }
 
+/// A station is called one, and its knowledge is drawn like any agent's.
+#[test]
+fn a_station_is_shown_and_can_be_chosen() {
+    let Some(mut browser) = browser() else { return };
+    let folder = common::scratch();
+    let station = ["stations=[{x_m=-100,y_m=-90,z_m=4}]", "netem.radio.range_m=inf"];
+    flight::record(folder.path(), "city-storm", &[SMALL, &station].concat());
+    let (_watching, address) = watch(folder.path());
+    browser.resize(1280, 800);
+    browser.open(&address);
+    browser.wait_for("document.getElementById('time').textContent === '12.0 of 12 s'");
+    let names = "[...document.querySelectorAll('#agents button span')].map((e) => e.textContent)";
+    browser.wait_for(&format!("({names}).length === 4"));
+    assert_eq!(browser.value(names), json!(["U0", "U1", "U2", "S3"]));
+    assert_eq!(
+        browser.value("document.querySelector('#agents button:nth-child(4)').title"),
+        "What station 3 knows (key 3)"
+    );
+    let of_0 = picture(&mut browser, "fleet");
+    browser.click("#agents button:nth-child(4)");
+    browser.wait_for("document.getElementById('details-title').textContent === 'station 3'");
+    browser.wait_for("view(3, 'oem')");
+    assert_ne!(picture(&mut browser, "fleet"), of_0, "its mast is larger now");
+    let details = text(&mut browser, "details");
+    assert!(details.contains("news of UAVs") && details.contains("from U0"), "{details}");
+    assert!(!details.contains("course"), "{details}");
+    let label = "document.getElementById('fleet').getAttribute('aria-label')";
+    let label = browser.value(label);
+    assert!(label.as_str().unwrap().contains("knowledge of station 3"), "{label}");
+    assert!(label.as_str().unwrap().contains("3 UAVs, 1 stations"), "{label}");
+    shot(&mut browser, "station");
+    // Chosen on the map, too.
+    browser.press("0");
+    browser.wait_for("document.getElementById('details-title').textContent === 'UAV 0'");
+    assert_eq!(browser.value("agentAt(toPixel(placeOf(3)))"), 3);
+    assert_eq!(browser.complaints, Vec::<String>::new());
+}
+
 /// Nothing beside the window, everything large enough for a finger.
 fn it_fits_a_hand(browser: &mut Browser, address: &str) {
     browser.resize(360, 740);

@@ -4,10 +4,11 @@
 //! argument and its seed part of its configuration. So the same agent runs in a single-process
 //! mission, behind a Zenoh session, in a test of two agents and a lost message, in a fuzzer.
 
+use crate::camera::Pose;
 use crate::envelope::Envelope;
 use crate::frame::Frame;
 use crate::ids::ChannelId;
-use crate::time::SimTime;
+use crate::time::{SimTime, Step};
 
 /// Something an agent wants to be sent to all others on a channel: a whole encoded envelope.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,8 +23,9 @@ pub struct Transmit {
 
 /// A sans-I/O agent of some mission.
 ///
-/// Within one simulated instant the driver calls `handle_frame`, then alternates `poll_transmit`,
-/// `handle_message` and `handle_timeout` until nothing is left for that instant.
+/// Within one simulated instant the driver calls `handle_frame`, or `handle_step` for an agent without
+/// camera, then alternates `poll_transmit`, `handle_message` and `handle_timeout` until nothing is left
+/// for that instant.
 pub trait Agent: Send {
     /// What the agent tells its vehicle.
     type Command: Send;
@@ -32,6 +34,9 @@ pub trait Agent: Send {
 
     /// A frame of the agent's own camera arrived.
     fn handle_frame(&mut self, now: SimTime, frame: &Frame);
+
+    /// Step k begins for an agent without a frame of it, such as a ground station; it is at `pose`.
+    fn handle_step(&mut self, now: SimTime, step: Step, pose: Pose);
 
     /// A message of another agent arrived. Anything may be in it: what is not valid is counted,
     /// reported as an event and changes nothing else.

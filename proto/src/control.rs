@@ -84,7 +84,8 @@ pub struct Probe {
     pub answer: bool,
 }
 
-/// The attachment of a frame: all but its pixels.
+/// The attachment of a frame: all but its pixels. A ground station's has no pixels and means that a step
+/// begins.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrameHeader {
     /// Which world's.
@@ -95,7 +96,7 @@ pub struct FrameHeader {
     pub time: SimTime,
     /// The instant of the next one.
     pub next: SimTime,
-    /// Where the UAV is.
+    /// Where the agent is.
     pub pose: Pose,
     /// The agent's life, `None` while it is down: then there are no pixels.
     pub incarnation: Option<Incarnation>,
@@ -119,7 +120,7 @@ pub enum HeaderError {
         expected_s: f64,
     },
     /// Nobody can be there.
-    #[error("the UAV is at {p_world:?}: expected finite metres above the ground")]
+    #[error("the agent is at {p_world:?}: expected finite metres above the ground")]
     Pose {
         /// Where it says.
         p_world: [f64; 3],
@@ -145,6 +146,16 @@ pub enum HeaderError {
     /// A box without what it is around.
     #[error("the box of target {0} has no pixel labelled Target")]
     Empty(TargetId),
+    /// An agent without camera is told of an image.
+    #[error(
+        "{detections} detections and {bytes} bytes of pixels for a ground station: expected none"
+    )]
+    Blind {
+        /// How many targets it is said to detect.
+        detections: usize,
+        /// How long the pixels are.
+        bytes: usize,
+    },
 }
 
 impl FrameHeader {
@@ -159,17 +170,9 @@ impl FrameHeader {
         period_s: f64,
         labels: &[Label],
     ) -> Result<(), HeaderError> {
-        let step = self.step;
-        for (step, time) in [(step, self.time), (Step(step.0.saturating_add(1)), self.next)] {
-            let expected = SimTime::from_seconds(f64::from(step.0) * period_s);
-            if time.0.abs_diff(expected.0) > 1 {
-                let (got_s, expected_s) = (time.seconds(), expected.seconds());
-                return Err(HeaderError::Time { step, got_s, expected_s });
-            }
-        }
-        let Pose { p_world, yaw_rad, pitch_rad, roll_rad } = self.pose;
-        let angles = [yaw_rad, pitch_rad, roll_rad];
-        if !(p_world.iter().chain(&angles).all(|x| x.is_finite()) && p_world[2] > 0.0) {
+        self.check_step(period_s)?;
+        let p_world = self.pose.p_world;
+        if p_world[2] <= 0.0 {
             return Err(HeaderError::Pose { p_world });
         }
         if let Some([a, b]) = self.detections.array_windows().find(|[a, b]| a.target >= b.target) {
@@ -180,6 +183,38 @@ impl FrameHeader {
             return Err(HeaderError::Target(last.target));
         }
         self.detections.iter().try_for_each(|detection| check_box(detection, camera, labels))
+    }
+
+    /// The same for a ground station, which may stand on the ground and sees nothing; `bytes` is how long
+    /// the pixels are.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check_blind(&self, period_s: f64, bytes: usize) -> Result<(), HeaderError> {
+        self.check_step(period_s)?;
+        let detections = self.detections.len();
+        if detections > 0 || bytes > 0 {
+            return Err(HeaderError::Blind { detections, bytes });
+        }
+        Ok(())
+    }
+
+    /// That time goes on, and that the agent is somewhere on or above the ground.
+    fn check_step(&self, period_s: f64) -> Result<(), HeaderError> {
+        let step = self.step;
+        for (step, time) in [(step, self.time), (Step(step.0.saturating_add(1)), self.next)] {
+            let expected = SimTime::from_seconds(f64::from(step.0) * period_s);
+            if time.0.abs_diff(expected.0) > 1 {
+                let (got_s, expected_s) = (time.seconds(), expected.seconds());
+                return Err(HeaderError::Time { step, got_s, expected_s });
+            }
+        }
+        let Pose { p_world, yaw_rad, pitch_rad, roll_rad } = self.pose;
+        let angles = [yaw_rad, pitch_rad, roll_rad];
+        if !(p_world.iter().chain(&angles).all(|x| x.is_finite()) && p_world[2] >= 0.0) {
+            return Err(HeaderError::Pose { p_world });
+        }
+        Ok(())
     }
 }
 
@@ -340,5 +375,26 @@ mod tests {
         assert!(said(vec![0, 4096]).is_possible(Step(0)));
         assert!(!said(vec![0, 2 * 4096 + 1]).is_possible(Step(0)));
         assert!(!said(vec![u64::MAX]).is_possible(Step(u32::MAX)));
+    }
+
+    #[test]
+    fn a_station_stands_on_the_ground_and_sees_nothing() {
+        let check = |change: fn(&mut FrameHeader), bytes| {
+            let mut header = FrameHeader { detections: Vec::new(), ..header() };
+            header.pose.p_world[2] = 0.0;
+            change(&mut header);
+            header.check_blind(0.5, bytes)
+        };
+        assert_eq!(check(|_| (), 0), Ok(()));
+        assert_eq!(check(|_| (), 4), Err(HeaderError::Blind { detections: 0, bytes: 4 }));
+        let seen = check(|h| h.detections = header().detections, 0);
+        assert_eq!(seen, Err(HeaderError::Blind { detections: 2, bytes: 0 }));
+        let p_world = [0.0, 0.0, -1.0];
+        let below = check(|h| h.pose.p_world[2] = -1.0, 0);
+        assert_eq!(below, Err(HeaderError::Pose { p_world }));
+        assert!(check(|h| h.step = Step(3), 0).is_err());
+        // A camera flies.
+        let flat = self::check(|h, _| h.pose.p_world[2] = 0.0);
+        assert_eq!(flat, Err(HeaderError::Pose { p_world: [0.0, 0.0, 0.0] }));
     }
 }

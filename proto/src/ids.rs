@@ -20,7 +20,7 @@ macro_rules! id {
 }
 
 id!(
-    /// One UAV of the fleet, 0-based.
+    /// One agent, 0-based: the UAVs of the fleet first, the ground stations after them.
     AgentId(u16)
 );
 id!(

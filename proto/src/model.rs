@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use crate::camera::Pose;
+
 /// The ground X_g of the region of interest: an axis-aligned rectangle centred on the origin.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Ground {
@@ -146,6 +148,26 @@ impl Default for FleetModel {
             start: Vec::new(),
             yaw_settling_s: 1.2,
         }
+    }
+}
+
+/// One of `[[stations]]`: a ground station, an agent without camera that stays where it is. In a fleet
+/// of N^u UAVs the first station is agent N^u.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Station {
+    /// East, in metres of `world`.
+    pub x_m: f64,
+    /// North, in metres of `world`.
+    pub y_m: f64,
+    /// Height of its antenna above the ground, in metres.
+    pub z_m: f64,
+}
+
+impl Station {
+    /// Where its antenna is, `world`, metres; level, towards the east.
+    pub fn pose(&self) -> Pose {
+        Pose::level([self.x_m, self.y_m, self.z_m], 0.0)
     }
 }
 

@@ -108,6 +108,7 @@ fn config(rng: &mut ChaCha8Rng) -> AgentConfig {
         ground: Ground { size_m: [0; 2].map(|_| rng.random_range(80.0..150.0)) },
         targets,
         fleet: FleetModel { count: 2, ..FleetModel::default() },
+        stations: 0,
         camera: camera(rng),
         estimator,
         guidance: GuidanceConfig::default(),

@@ -7,6 +7,9 @@ use crate::camera::oracle::{Hit, Oracle};
 use crate::obstacle::Obstacle;
 use crate::scene::Scene;
 
+/// No antenna is lower than this, metres.
+const LOWEST_M: f64 = 0.01;
+
 /// The buildings of a town, for lines of sight. Cars are too low and too small to matter.
 ///
 /// The rays are parry's, as in the oracle that checks the renderer.
@@ -31,7 +34,9 @@ impl Obstruction for Buildings {
             Some(order) if order.is_lt() => [a, b],
             Some(_) => [b, a],
         };
-        let (from, to) = (Vector3::from(from), Vector3::from(to));
+        // Along the ground a ray would pass between floor and wall.
+        let raised = |[x, y, z]: [f64; 3]| Vector3::new(x, y, z.max(LOWEST_M));
+        let (from, to) = (raised(from), raised(to));
         let distance_m = (to - from).norm();
         if !(distance_m > 0.0 && distance_m.is_finite()) {
             return false;
@@ -73,6 +78,8 @@ mod tests {
         assert!(both([5.0, 5.1, 50.0], [1.5, 5.1, 1.0]), "down through the roof");
         assert!(!both([5.0, 5.1, 50.0], [5.0, 5.2, 1.0]), "down into the courtyard");
         assert!(both([-5.0, 5.1, 2.0], [5.0, 5.1, 2.0]), "from the street into the courtyard");
+        assert!(both([-5.0, 5.1, 0.0], [15.0, 5.1, 0.0]), "through it, along the ground");
+        assert!(!both([-5.0, 11.0, 0.0], [15.0, 11.0, 0.0]), "past it, along the ground");
         assert!(!both([5.0; 3], [5.0; 3]), "no way at all");
         assert!(!both([f64::NAN; 3], [5.0; 3]), "nowhere");
         assert!(!Buildings::new(&[]).blocked([0.0; 3], [9.0; 3]), "an empty town");

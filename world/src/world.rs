@@ -2,7 +2,7 @@
 
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::ids::AgentId;
-use csat_proto::model::{Driving, FleetModel, Ground, TargetsModel};
+use csat_proto::model::{Driving, FleetModel, Ground, Station, TargetsModel};
 use csat_proto::time::Step;
 
 use crate::map::{self, Map, MapConfig, MapError, MapRules, MapWarning};
@@ -15,10 +15,12 @@ use crate::truth::Monitor;
 use crate::uav::{Quadcopter, Vehicle, YawCommand};
 
 mod check;
+pub mod stations;
 #[cfg(test)]
 mod tests;
 
 use check::{lowest_altitude_m, mistakes};
+use stations::StationError;
 
 /// Room between the border of the region and the cylinder of a car on any road, metres.
 const BORDER_M: f64 = 0.5;
@@ -36,6 +38,8 @@ pub struct WorldConfig {
     pub tracks: Option<Tracks>,
     /// The UAVs.
     pub fleet: FleetModel,
+    /// The ground stations.
+    pub stations: Vec<Station>,
     /// Their cameras.
     pub camera: CameraModel,
     /// T, seconds.
@@ -49,6 +53,7 @@ impl Default for WorldConfig {
             targets: TargetsModel::default(),
             tracks: None,
             fleet: FleetModel::default(),
+            stations: Vec::new(),
             camera: CameraModel::default(),
             period_s: 0.5,
         }
@@ -78,6 +83,9 @@ pub enum WorldError {
         /// What would do.
         expected: String,
     },
+    /// A ground station that cannot be where it is to be.
+    #[error(transparent)]
+    Station(#[from] StationError),
     /// The map.
     #[error(transparent)]
     Map(#[from] MapError),
@@ -143,7 +151,7 @@ enum Cars {
     Scripted(Scripted),
 }
 
-/// The town, the cars and the UAVs at step k.
+/// The town, the cars, the UAVs and the ground stations at step k.
 #[derive(Debug)]
 pub struct World {
     config: WorldConfig,
@@ -224,6 +232,11 @@ impl World {
         };
         let clearance_m = road_clearance_m(&config.targets);
         let walls = Walls::new(&map.obstacles);
+        let indoors = stations::indoors(&config.stations, &walls, &map.obstacles);
+        if !indoors.is_empty() {
+            let errors = indoors.into_iter().map(WorldError::Station).collect();
+            return Err(WorldErrors { errors, map_warnings: map.warnings });
+        }
         let rules = RoadRules {
             inset_m: inset_m(&config.targets),
             clearance_m,
@@ -261,13 +274,12 @@ impl World {
 
     /// Lets the cars evade for one period what the UAVs see at its beginning.
     fn evade(&mut self) {
-        let poses = self.poses();
         let Cars::Driving(traffic) = &mut self.cars else { return };
         let WorldConfig { targets, camera, period_s, .. } = &self.config;
         let watcher = |pose: &Pose| {
             Watcher::new([pose.p_world[0], pose.p_world[1]], &camera.at(pose).footprint())
         };
-        let watchers: Vec<Watcher> = poses.iter().map(watcher).collect();
+        let watchers: Vec<Watcher> = self.vehicles.iter().map(|v| watcher(&v.pose())).collect();
         let chase = Chase {
             ground: Ground { size_m: self.map.ground.size_m.map(|s| s - 2.0 * inset_m(targets)) },
             walls: &self.walls,
@@ -302,9 +314,10 @@ impl World {
         &self.config
     }
 
-    /// Where every UAV is, by index.
+    /// Where every agent is, by index: the UAVs, then the ground stations.
     pub fn poses(&self) -> Vec<Pose> {
-        self.vehicles.iter().map(|v| v.pose()).collect()
+        let stations = self.config.stations.iter().map(Station::pose);
+        self.vehicles.iter().map(|v| v.pose()).chain(stations).collect()
     }
 
     /// What is true of every target, by index.

@@ -135,10 +135,10 @@ impl Inbox {
         *known = incarnation.max(*known);
     }
 
-    /// As many facts as the fleet can have stated within the accepted age, one per neighbour and step.
+    /// As many facts as all agents can have stated within the accepted age, one per neighbour and step.
     fn capacity(&self) -> usize {
         let steps = self.config.steps(self.config.exchange.max_age_s).max(1) as usize + 1;
-        steps.saturating_mul(usize::from(self.config.fleet.count))
+        steps.saturating_mul(usize::from(self.config.agents()))
     }
 
     /// Whether anything waits that can be applied at `now`.

@@ -153,7 +153,9 @@ impl Outbox {
     /// nothing was said.
     pub fn say_step(&mut self, account: &Account<'_>, repair: &mut Repair) -> Option<Said> {
         let ExchangeConfig { mode, snapshot_period_s, .. } = self.config.exchange;
-        if mode == ExchangeMode::None {
+        // A station's facts prove nothing: it says one only for its digest.
+        let is_mute = mode == ExchangeMode::Facts && self.config.is_station();
+        if mode == ExchangeMode::None || is_mute {
             return None;
         }
         self.earn();
@@ -382,19 +384,6 @@ mod tests {
 
     use crate::config::tests::default_config;
     use crate::estimate::settled::Settled;
-    use crate::region::Inner;
-
-    /// A frame in which nothing was seen.
-    fn nothing_measured(config: &AgentConfig) -> Measured {
-        Measured {
-            clear_ground: Inner::within(Region::EMPTY),
-            obstacle_margin: Inner::within(Region::EMPTY),
-            targets: Vec::new(),
-            hidden: Raster::empty(config.raster_grid()),
-            seen: Raster::empty(config.raster_grid()),
-            oem: Vec::new(),
-        }
-    }
 
     /// Knowledge of a map in which no two neighbouring cells are the same.
     fn chequered(config: &AgentConfig) -> Knowledge {
@@ -413,7 +402,7 @@ mod tests {
         let mut config = default_config([500.0; 2]);
         config.exchange.budget_bytes_s = 4000.0;
         config.exchange.snapshot_period_s = 1e6;
-        let measured = nothing_measured(&config);
+        let measured = Measured::nothing(config.raster_grid());
         let knowledge = Settled::new(chequered(&config), Identity::default());
         let (mut outbox, mut repair) = (Outbox::new(&config), Repair::new(&config));
         outbox.next_snapshot = Step(u32::MAX);

@@ -26,7 +26,10 @@ pub const BLOCKS_PER_FACT: usize = 8;
 #[derive(Debug, Clone)]
 pub struct Repair {
     own: AgentId,
-    fleet: u16,
+    /// How many agents there are.
+    agents: u16,
+    /// How many of them are UAVs: what the others state proves nothing.
+    uavs: u16,
     /// Steps that a message may be on its way.
     delay: u32,
     period: u32,
@@ -54,7 +57,8 @@ impl Repair {
         let steps = |seconds| config.steps(seconds).max(1);
         Self {
             own: config.id,
-            fleet: config.fleet.count,
+            agents: config.agents(),
+            uavs: config.fleet.count,
             delay: steps(config.exchange.repair_delay_s),
             period: steps(config.exchange.repair_period_s),
             max_age: steps(config.exchange.max_age_s),
@@ -184,7 +188,8 @@ impl Repair {
         }
         let later = self.past.partition_point(|(step, _)| step.after(self.delay) <= then);
         let held = self.past.range(..later).next_back().into_iter().flat_map(|(_, facts)| facts);
-        held.filter(|facts| facts.origin != from).any(|ours| {
+        let is_needed = |facts: &&HeldFacts| facts.origin != from && facts.origin.0 < self.uavs;
+        held.filter(is_needed).any(|ours| {
             let key = (ours.origin, ours.incarnation);
             let index = theirs.binary_search_by_key(&key, |f| (f.origin, f.incarnation));
             index.map_or(0, |index| theirs[index].count) < ours.count
@@ -193,8 +198,8 @@ impl Repair {
 
     /// The own place in the order of those who answer `from`.
     fn turn(&self, from: AgentId) -> u32 {
-        let fleet = u32::from(self.fleet.max(2));
-        let turn = (u32::from(self.own.0) + fleet - u32::from(from.0) % fleet + fleet - 1) % fleet;
+        let all = u32::from(self.agents.max(2));
+        let turn = (u32::from(self.own.0) + all - u32::from(from.0) % all + all - 1) % all;
         turn.min(TURNS - 1)
     }
 }
@@ -213,7 +218,8 @@ mod tests {
     fn repair(own: u16) -> Repair {
         Repair {
             own: AgentId(own),
-            fleet: 4,
+            agents: 4,
+            uavs: 4,
             delay: DELAY,
             period: 10,
             max_age: 100,

@@ -23,13 +23,13 @@ pub enum Rejection {
     /// It belongs to another run.
     #[error("message of another run")]
     Run,
-    /// The sender is not of the fleet, or is the receiver itself.
-    #[error("sender {got} is not another agent of a fleet of {fleet}")]
+    /// The sender is no agent of this mission, or is the receiver itself.
+    #[error("sender {got} is not another one of {agents} agents")]
     Sender {
         /// The sender's index.
         got: u16,
-        /// N^u.
-        fleet: u16,
+        /// How many there are.
+        agents: u16,
     },
     /// The sender has restarted since.
     #[error("incarnation {got}, but {known} was heard already")]
@@ -165,13 +165,14 @@ impl Rejection {
     }
 }
 
-/// Checks that a sender is another agent of the fleet.
+/// Checks that a sender is another UAV or ground station of this mission.
 ///
 /// # Errors
 /// [`Rejection::Sender`] when it is not.
 pub fn check_sender(config: &AgentConfig, src: AgentId) -> Result<(), Rejection> {
-    if src.0 >= config.fleet.count || src == config.id {
-        return Err(Rejection::Sender { got: src.0, fleet: config.fleet.count });
+    let agents = config.agents();
+    if src.0 >= agents || src == config.id {
+        return Err(Rejection::Sender { got: src.0, agents });
     }
     Ok(())
 }
@@ -269,9 +270,10 @@ fn check_known(config: &AgentConfig, known: &Known, frame: Step) -> Result<(), R
 
 fn check_digest(config: &AgentConfig, held: &Digest) -> Result<(), Rejection> {
     let (facts, blocks) = (held.facts.len(), held.oem.len());
-    let fits = facts <= usize::from(config.fleet.count) * LIVES
+    let agents = config.agents();
+    let fits = facts <= usize::from(agents) * LIVES
         && held.facts.is_sorted_by_key(|f| (f.origin, f.incarnation))
-        && held.facts.iter().all(|f| f.origin.0 < config.fleet.count)
+        && held.facts.iter().all(|f| f.origin.0 < agents)
         && (blocks == 0 || blocks == Oem::blocks(&config.oem_grid()));
     if fits { Ok(()) } else { Err(Rejection::Digest { facts, blocks }) }
 }

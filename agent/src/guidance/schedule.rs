@@ -11,6 +11,8 @@
 //! Plans of `str4` reach so far that what is left of those of the last decision serves as the first
 //! pass of the loopback: everybody plans once, says it once and accounts for everybody.
 //!
+//! A ground station hears plans and makes none, and no agent waits for one of its.
+//!
 //! [`Scheduler`] has no clock: it is told the time.
 
 use csat_proto::camera::Pose;
@@ -38,7 +40,7 @@ pub struct Pass {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PlanError {
     /// Not a neighbour's index.
-    #[error("plan of UAV {from}, which is not a neighbour of UAV {own} in a fleet of {count}")]
+    #[error("plan of agent {from}, which is not another UAV than {own} in a fleet of {count}")]
     NotANeighbour {
         /// The sender.
         from: AgentId,
@@ -100,6 +102,7 @@ enum Stage {
 /// The schedule of one agent.
 #[derive(Debug, Clone)]
 pub struct Scheduler {
+    /// The own index; that of a station is beyond the fleet.
     own: usize,
     schedule: Schedule,
     motion: Motion,
@@ -124,7 +127,10 @@ impl Scheduler {
     /// The schedule of `config.guidance`, before its first instant.
     pub fn new(config: &AgentConfig) -> Self {
         let guidance = &config.guidance;
-        let count = usize::from(config.fleet.count.max(config.id.0.saturating_add(1)));
+        let uavs = config.fleet.count;
+        let count =
+            if config.is_station() { uavs } else { uavs.max(config.id.0.saturating_add(1)) };
+        let count = usize::from(count);
         let far_sighted = guidance.criterion == Criterion::Str4;
         let loopback = guidance.schedule == Schedule::SequentialLoopback && count > 1;
         Self {
@@ -154,7 +160,7 @@ impl Scheduler {
     /// A frame came; every T_MPC a decision begins with it.
     pub fn on_frame(&mut self, now: SimTime, step: Step) {
         self.frame = step;
-        if self.decides_at(step) {
+        if self.own < self.fleet.len() && self.decides_at(step) {
             self.on_instant(now);
         }
     }

@@ -25,7 +25,7 @@ use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
 use csat_proto::ids::TargetId;
 use csat_proto::oem::OemDelta;
-use csat_proto::raster::Raster;
+use csat_proto::raster::{Grid, Raster};
 use csat_proto::region::Region;
 
 use crate::config::{AgentConfig, Criterion};
@@ -64,6 +64,20 @@ pub struct Measured {
     pub seen: Raster,
     /// States to join into the OEM.
     pub oem: Vec<OemDelta>,
+}
+
+impl Measured {
+    /// What is measured where no frame is taken; coarse sets are on `grid`.
+    pub fn nothing(grid: Grid) -> Self {
+        Self {
+            clear_ground: Inner::default(),
+            obstacle_margin: Inner::default(),
+            targets: Vec::new(),
+            hidden: Raster::empty(grid),
+            seen: Raster::empty(grid),
+            oem: Vec::new(),
+        }
+    }
 }
 
 /// Turns frames into measured sets. It remembers only where obstacle margins were already measured,

@@ -55,7 +55,7 @@ impl Recorded {
         let mut view = View::of_town(&loaded);
         let Loaded { scenario, world, .. } = loaded;
         let mission = SetMembership::new(&scenario);
-        let mut renderer = Renderer::new(mission.camera());
+        let mut renderer = Renderer::new(scenario.camera);
         let mut engine = Engine::new(mission.clone(), world, &scenario.netem, scenario.seed);
         let last = (time_s / scenario.run.period_s).round() as u32;
         let mut checks = Vec::new();

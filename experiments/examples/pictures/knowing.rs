@@ -3,7 +3,6 @@
 use csat_agent::estimate::Estimator;
 use csat_agent::estimate::evidence::Ager;
 use csat_agent::estimate::predict::Predictor;
-use csat_agent::mutant::Mutant;
 use csat_agent::region::Outer;
 use csat_experiments::plot::canvas::{Panel, group, label};
 use csat_experiments::plot::layers;
@@ -153,7 +152,7 @@ pub fn ageing(recorded: &Recorded) -> String {
     let config = recorded.config();
     let ager = Ager::new(config);
     let now = |age_s: f64| Step((age_s / recorded.period_s).round() as u32);
-    let reach = |age_s: f64| ager.reach(now(age_s), Step(0), Mutant::ClockSkewOfFactsIgnored);
+    let reach = |age_s: f64| ager.reach(now(age_s), Step(0));
     let clear = &recorded.measured.clear_ground;
     let (target, place) = nearest_detection(recorded).expect("the viewer sees a car");
     let seen = recorded.measured.targets.iter().find(|seen| seen.target == target);

@@ -64,10 +64,15 @@ pub fn check(arguments: &ScenarioArguments) -> anyhow::Result<u8> {
         0 => String::new(),
         count => format!(", {}", counted(count, "warning")),
     };
+    let stations = match scenario.stations.len() {
+        0 => String::new(),
+        count => format!(", {}", counted(count, "station")),
+    };
     say(&format!(
-        "{}: no mistakes{warnings}: {}, {}, {}, {} s\n",
+        "{}: no mistakes{warnings}: {}{}, {}, {}, {} s\n",
         loaded.name,
         counted(usize::from(scenario.agents.count), "UAV"),
+        stations,
         counted(usize::from(scenario.targets.count), "target"),
         counted(loaded.world.obstacles().len(), "building"),
         scenario.run.duration_s

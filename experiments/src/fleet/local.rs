@@ -12,7 +12,7 @@ use csat_proto::time::SimTime;
 use csat_world::camera::Renderer;
 use rayon::prelude::*;
 
-use super::{Brief, Fleet, Flown, Frames};
+use super::{Brief, Fleet, Flown, Frames, renderers};
 use crate::plug::Mission;
 use crate::seat::{Said, Seat};
 
@@ -20,8 +20,9 @@ use crate::seat::{Said, Seat};
 pub struct LocalFleet<M: Mission> {
     mission: M,
     seats: Vec<Seat<M>>,
-    renderers: Vec<Renderer>,
-    /// By index, how many frames an agent was shown.
+    /// By index; `None` for agents without camera.
+    renderers: Vec<Option<Renderer>>,
+    /// By index, how many frames an agent was shown, or steps told of.
     shown: Vec<u64>,
 }
 
@@ -41,7 +42,7 @@ impl<M: Mission> LocalFleet<M> {
         };
         Self {
             seats: (0..count).map(seat).collect(),
-            renderers: (0..count).map(|_| Renderer::new(mission.camera())).collect(),
+            renderers: renderers(&mission, count),
             shown: vec![0; count],
             mission,
         }
@@ -59,7 +60,7 @@ impl<M: Mission> LocalFleet<M> {
         }
     }
 
-    /// Renders every frame and hands it to its agent.
+    /// Renders every frame and hands it to its agent; those without camera are told of the step.
     fn look(&mut self, brief: &Brief) {
         for (shown, life) in self.shown.iter_mut().zip(&brief.lives) {
             *shown += u64::from(life.is_some());
@@ -69,7 +70,12 @@ impl<M: Mission> LocalFleet<M> {
         let each = seats.par_iter_mut().zip(renderers).zip(&brief.poses).zip(&brief.lives);
         each.enumerate().for_each(|(index, (((seat, renderer), pose), life))| {
             seat.begin(mission, *life, pose);
-            seat.look(brief.now, || brief.frame(renderer, AgentId(index as u16)));
+            match renderer {
+                Some(renderer) => {
+                    seat.look(brief.now, || brief.frame(renderer, AgentId(index as u16)));
+                }
+                None => seat.step(brief.now, brief.step),
+            }
         });
     }
 

@@ -50,7 +50,7 @@ pub struct Brief {
     pub seed: u64,
     /// What cameras see.
     pub scene: Scene,
-    /// Where the UAVs are, by index.
+    /// Where the agents are, by index.
     pub poses: Vec<Pose>,
     /// The life of each agent, `None` while it is down.
     pub lives: Vec<Option<Incarnation>>,
@@ -67,6 +67,12 @@ impl Brief {
         info_span!("render")
             .in_scope(|| renderer.frame(&self.scene, pose, self.step, self.seed, id))
     }
+}
+
+/// The renderers of the agents' cameras, by index; `None` for agents without one.
+fn renderers<M: Mission>(mission: &M, count: usize) -> Vec<Option<Renderer>> {
+    let cameras = (0..count).map(|index| mission.camera(AgentId(index as u16)));
+    cameras.map(|camera| camera.map(Renderer::new)).collect()
 }
 
 /// One agent's step, as told to its observers.
@@ -108,7 +114,7 @@ impl<M: Mission> Flown<M> {
     }
 }
 
-/// An agent's frames in all its lives. In real time no process is waited for: one that is slow looks at
+/// An agent's frames in all its lives, or the steps that a ground station was told of. In real time no process is waited for: one that is slow looks at
 /// its newest frame only and misses those before, and one that is stopped or gone misses all.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Frames {

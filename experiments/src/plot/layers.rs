@@ -237,6 +237,27 @@ pub fn uavs(panel: &Panel, view: &View) -> Group {
     })
 }
 
+/// Ground stations: masts with their names, as agents after the UAVs.
+pub fn stations(panel: &Panel, view: &View) -> Group {
+    (view.uavs.len()..).zip(&view.stations).fold(group("stations"), |all, (agent, station)| {
+        let (colour, [x, y]) = (uav_colour(agent), panel.pixel([station.x_m, station.y_m]));
+        let beside = label(x, y - 11.0, 13.0, colour, format!("S{agent}"));
+        all.add(mast([x, y], colour)).add(beside)
+    })
+}
+
+/// A mast at a pixel.
+pub fn mast([x, y]: [f64; 2], colour: &str) -> Polygon {
+    const SHAPE: [[f64; 2]; 3] = [[0.0, -9.0], [8.0, 6.0], [-8.0, 6.0]];
+    let points = SHAPE.map(|[dx, dy]| format!("{:.1},{:.1}", x + dx, y + dy)).join(" ");
+    Polygon::new()
+        .set("class", "station")
+        .set("points", points)
+        .set("fill", colour)
+        .set("stroke", "#ffffff")
+        .set("stroke-width", 1.2)
+}
+
 /// An arrowhead at a pixel, pointing along a heading.
 fn arrow([x, y]: [f64; 2], yaw_rad: f64, colour: &str) -> Polygon {
     const SHAPE: [[f64; 2]; 4] = [[11.0, 0.0], [-7.0, 6.0], [-3.5, 0.0], [-7.0, -6.0]];

@@ -52,6 +52,12 @@ pub fn legend(x: f64, y: f64, view: &View, agent: Option<usize>) -> Group {
     let of = agent.map_or_else(|| "the agent".to_owned(), |agent| format!("agent {agent}"));
     let cars = format!("cars, known to {of} and not; their tracks");
     let unseen = box_at(9.0).set("fill", "#ffffff").set("stroke", "#4A4A4A");
+    if !view.stations.is_empty() {
+        let middle = y + 7.0 * ROW_PX + 9.5;
+        legend = legend
+            .add(layers::mast([x + 167.0, middle], uav_colour(view.uavs.len())))
+            .add(text(x + 180.0, middle + 4.5, 13.0, "ground station"));
+    }
     legend = legend
         .add(track)
         .add(car(x + 4.0, y + 5.0 * ROW_PX + 9.5, "#000000", "#ffffff"))

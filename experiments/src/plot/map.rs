@@ -6,6 +6,7 @@ use svg::node::element::{ClipPath, Definitions, Group, Polygon, Rectangle};
 use super::canvas::{Panel, group, round, text};
 use super::{axes, layers, legend};
 use crate::view::{Knowledge, View};
+use crate::words::counted;
 
 const MAIN_PX: f64 = 880.0;
 const SIDE_PX: f64 = 330.0;
@@ -63,7 +64,8 @@ pub(super) fn margin_m(view: &View) -> f64 {
     let beyond = view
         .uavs
         .iter()
-        .flat_map(|u| &u.path)
+        .flat_map(|u| u.path.iter().copied())
+        .chain(view.stations.iter().map(|station| [station.x_m, station.y_m]))
         .map(|p| (p[0].abs() - view.size_m[0] / 2.0).max(p[1].abs() - view.size_m[1] / 2.0));
     let size = view.size_m[0].max(view.size_m[1]);
     let most = 0.15 * size;
@@ -78,8 +80,12 @@ pub(super) fn title(view: &View) -> String {
 
 fn header(view: &View, agent: usize, hidden: &Panel, oem: &Panel) -> Group {
     let known = view.agents.get(agent).map_or(0, |a| a.targets.len());
+    let stations = match view.stations.len() {
+        0 => String::new(),
+        count => format!(", {}", counted(count, "station")),
+    };
     let subtitle = format!(
-        "what agent {agent} knows: {known} of {} cars identified; {} UAVs; {} m x {} m",
+        "what agent {agent} knows: {known} of {} cars identified; {} UAVs{stations}; {} m x {} m",
         view.targets.len(),
         view.uavs.len(),
         view.size_m[0],
@@ -104,6 +110,7 @@ fn main_layers(panel: &Panel, view: &View, agent: usize, knowledge: &Knowledge) 
         .add(layers::target_sets(panel, knowledge))
         .add(layers::cars(panel, view, agent))
         .add(layers::uavs(panel, view))
+        .add(layers::stations(panel, view))
         .add(layers::target_labels(panel, knowledge))
 }
 

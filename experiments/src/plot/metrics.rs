@@ -5,10 +5,11 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::PlotError;
-use super::panels::{Beside, Curve, GREY, Panel, TEXT, panels};
+use super::panels::{Beside, Curve, GREY, Panel, STATIONS, TEXT, panels};
 use crate::published::SPAN_S;
-use crate::series::{Point, Series};
+use crate::series::{Curves, Point, Series};
 use crate::summary::Summary;
+use crate::words::counted;
 
 const SIZE_PX: (u32, u32) = (1240, 1360);
 const HEADER_PX: i32 = 62;
@@ -17,20 +18,25 @@ const HEADER_PX: i32 = 62;
 ///
 /// # Errors
 /// When the plotting library refuses.
-pub fn metrics_svg(summary: &Summary, series: &Series) -> Result<String, PlotError> {
+pub fn metrics_svg(summary: &Summary, curves: &Curves) -> Result<String, PlotError> {
     let mut svg = String::new();
-    draw(summary, series, &mut svg).map_err(|e| PlotError::Draw(e.to_string()))?;
+    draw(summary, curves, &mut svg).map_err(|e| PlotError::Draw(e.to_string()))?;
     Ok(svg)
 }
 
 type Error = Box<dyn std::error::Error>;
 
-fn draw(summary: &Summary, series: &Series, svg: &mut String) -> Result<(), Error> {
+fn draw(summary: &Summary, curves: &Curves, svg: &mut String) -> Result<(), Error> {
     let root = SVGBackend::with_string(svg, SIZE_PX).into_drawing_area();
     root.fill(&WHITE)?;
     let (header, body) = root.split_vertically(HEADER_PX);
+    let series = &curves.fleet;
+    let stations = match curves.stations.len() {
+        0 => String::new(),
+        count => format!("{}, ", counted(count, "station")),
+    };
     let title = format!(
-        "{}, seed {}: {} UAVs, {} targets, {} s",
+        "{}, seed {}: {} UAVs, {stations}{} targets, {} s",
         summary.scenario, summary.seed, summary.agents, summary.targets, summary.sim_s
     );
     header.draw_text(&title, &("sans-serif", 24).into_font().color(&TEXT), (20, 14))?;
@@ -48,11 +54,11 @@ fn draw(summary: &Summary, series: &Series, svg: &mut String) -> Result<(), Erro
     };
     let half = format!("{}-{} s", tick(end_s / 2.0, end_s), tick(end_s, end_s));
     let note = format!(
-        "solid: this run, mean of the agents; numbers: its mean over {half}, the second half{thesis}"
+        "solid: this run, mean of the UAVs; numbers: its mean over {half}, the second half{thesis}"
     );
     header.draw_text(&note, &("sans-serif", 14).into_font().color(&GREY), (20, 42))?;
     for (area, panel) in body.split_evenly((4, 2)).iter().zip(panels(beside)) {
-        draw_panel(area, &panel, summary, series)?;
+        draw_panel(area, &panel, summary, curves)?;
     }
     root.present()?;
     Ok(())
@@ -62,10 +68,11 @@ fn draw_panel(
     area: &DrawingArea<SVGBackend<'_>, Shift>,
     panel: &Panel,
     summary: &Summary,
-    series: &Series,
+    curves: &Curves,
 ) -> Result<(), Error> {
+    let series = &curves.fleet;
     let end_s = series.0.last().map_or(1.0, |p| p.time_s).max(1e-3);
-    let (top, legend) = axis(panel, summary, series);
+    let (top, legend) = axis(panel, summary, curves);
     let mut chart = ChartBuilder::on(area)
         .margin(14)
         .caption(panel.title, ("sans-serif", 17).into_font().color(&TEXT))
@@ -92,6 +99,7 @@ fn draw_panel(
         .draw()?;
     draw_thesis(&mut chart, panel, summary, end_s, top)?;
     draw_curves(&mut chart, panel, series, top)?;
+    draw_stations(&mut chart, panel, curves, top)?;
     chart
         .configure_series_labels()
         .position(legend)
@@ -154,6 +162,30 @@ fn draw_curves(
     Ok(())
 }
 
+/// What each station knows, dashed. The legend has room for a few.
+fn draw_stations(
+    chart: &mut Chart<'_, '_>,
+    panel: &Panel,
+    curves: &Curves,
+    top: f64,
+) -> Result<(), Error> {
+    let Some(value) = panel.of_station else { return Ok(()) };
+    for (index, (agent, series)) in curves.stations.iter().enumerate() {
+        let style = STATIONS[index % STATIONS.len()].stroke_width(2);
+        for run in unbroken(series, value, top) {
+            chart.draw_series(DashedLineSeries::new(run, 5, 3, style))?;
+        }
+        if index < STATIONS.len() {
+            let mean = series.half_mean(value).map_or("-".to_owned(), |mean| format!("{mean:.2}"));
+            chart
+                .draw_series(LineSeries::new(std::iter::empty(), style))?
+                .label(format!("station {agent}, dashed: {mean}"))
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+        }
+    }
+    Ok(())
+}
+
 /// A number beside an axis that ends at `end`: short axes have ticks closer than 1.
 fn tick(value: f64, end: f64) -> String {
     let decimals = if end < 3.0 { 1 } else { 0 };
@@ -176,17 +208,23 @@ fn legend_text(curve: &Curve, unit: &str, series: &Series) -> String {
 
 /// The top of the axis and the corner that the legend goes to: where the second half leaves room, or
 /// above it, on an axis made higher.
-fn axis(panel: &Panel, summary: &Summary, series: &Series) -> (f64, SeriesLabelPosition) {
+fn axis(panel: &Panel, summary: &Summary, curves: &Curves) -> (f64, SeriesLabelPosition) {
+    let series = &curves.fleet;
+    let of_stations = curves.stations.values().zip(std::iter::repeat(panel.of_station));
+    let of_stations = of_stations.filter_map(|(series, value)| Some((series, value?)));
     let half_s = series.0.last().map_or(0.0, |p| p.time_s / 2.0);
     let (mut top, mut low, mut high) = (panel.axis[0], f64::INFINITY, 0.0f64);
-    for curve in &panel.curves {
+    let of_fleet = panel.curves.iter().map(|curve| (series, curve.value));
+    for (series, value) in of_fleet.chain(of_stations) {
         for point in &series.0 {
-            let Some(value) = (curve.value)(point).filter(|v| v.is_finite()) else { continue };
+            let Some(value) = value(point).filter(|v| v.is_finite()) else { continue };
             top = top.max(value);
             if point.time_s >= half_s {
                 (low, high) = (low.min(value), high.max(value));
             }
         }
+    }
+    for curve in &panel.curves {
         if let Some([mean, deviation]) = curve.published {
             top = top.max(mean + deviation);
             (low, high) = (low.min(mean - deviation), high.max(mean + deviation));

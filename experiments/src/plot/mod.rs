@@ -21,7 +21,7 @@ mod tests;
 use std::path::{Path, PathBuf};
 
 use crate::run_folder::{FolderError, PartialFile};
-use crate::series::Series;
+use crate::series::Curves;
 use crate::summary::Summary;
 use crate::view::View;
 
@@ -109,10 +109,10 @@ pub fn redraw(folder: &Path) -> Result<[PathBuf; 2], PlotError> {
     let summary: Summary = read_json(&folder.join("summary.json"))?;
     let path = folder.join("metrics.csv");
     let unreadable = |e: csv::Error| PlotError::Read { path: path.clone(), reason: e.to_string() };
-    let series = Series::read(&path).map_err(unreadable)?;
+    let curves = Curves::read(&path).map_err(unreadable)?;
     let pictures = [
         (folder.join("map.svg"), map_svg(&view, 0)),
-        (folder.join("metrics.svg"), metrics_svg(&summary, &series)?),
+        (folder.join("metrics.svg"), metrics_svg(&summary, &curves)?),
     ];
     for (path, picture) in &pictures {
         write(path, picture)?;

@@ -7,6 +7,9 @@ use crate::series::Point;
 
 const BLUE: RGBColor = RGBColor(0, 114, 178);
 const ORANGE: RGBColor = RGBColor(213, 94, 0);
+/// Curves of stations: as many as the legends name.
+pub const STATIONS: [RGBColor; 4] =
+    [RGBColor(93, 58, 155), RGBColor(140, 81, 10), RGBColor(204, 121, 167), RGBColor(86, 180, 233)];
 /// Curves of what is merely there.
 pub const GREY: RGBColor = RGBColor(90, 90, 90);
 /// Words.
@@ -36,6 +39,8 @@ pub struct Panel {
     pub axis: [f64; 2],
     /// What is drawn.
     pub curves: Vec<Curve>,
+    /// What is drawn of each station, if anything.
+    pub of_station: Option<fn(&Point) -> Option<f64>>,
 }
 
 /// What a mission's curves are set beside.
@@ -66,10 +71,12 @@ fn with_thesis() -> Vec<Panel> {
         Panel::single("Localisation error (fig. 5.10)", "m", [2.0, 15.0], |p| {
             p.means.localization_error_m
         })
+        .with_stations()
         .beside(thesis.localization_error_m),
         Panel::single("Target set, radius of equal area (fig. 5.10)", "m", [20.0, 100.0], |p| {
             p.means.target_radius_m
         })
+        .with_stations()
         .beside(thesis.target_radius_m),
         unexplored,
         ground_in_view,
@@ -92,16 +99,19 @@ fn target_panels() -> [Panel; 2] {
     let located = |p: &Point| Some(f64::from(p.targets_in_fov));
     let detected = |p: &Point| Some(f64::from(p.targets_detected));
     let axis = [1.0, f64::INFINITY];
-    let panel = |title, curves| Panel { title, unit: "targets", axis, curves };
+    let panel = |title, curves| Panel { title, unit: "targets", axis, curves, of_station: None };
     [
-        panel(
-            "Identified targets (fig. 5.9 left)",
-            vec![
-                // Where they agree, the wider one shows on both sides of the other.
-                Curve::new("by the fleet", ORANGE, fleet).wide(),
-                Curve::new("by an agent, mean", BLUE, |p| Some(p.identified)),
-            ],
-        ),
+        Panel {
+            of_station: Some(|p| Some(p.identified)),
+            ..panel(
+                "Identified targets (fig. 5.9 left)",
+                vec![
+                    // Where they agree, the wider one shows on both sides of the other.
+                    Curve::new("by the fleet", ORANGE, fleet).wide(),
+                    Curve::new("by a UAV, mean", BLUE, |p| Some(p.identified)),
+                ],
+            )
+        },
         panel(
             "Targets in view (fig. 5.9 right)",
             vec![
@@ -113,7 +123,8 @@ fn target_panels() -> [Panel; 2] {
 }
 
 fn ground_panels(thesis: &Row) -> [Panel; 2] {
-    let panel = |title, curves| Panel { title, unit: "%", axis: [10.0, 100.0], curves };
+    let axis = [10.0, 100.0];
+    let panel = |title, curves| Panel { title, unit: "%", axis, curves, of_station: None };
     [
         panel(
             "Unexplored ground (fig. 5.11)",
@@ -123,7 +134,8 @@ fn ground_panels(thesis: &Row) -> [Panel; 2] {
                 Curve::new("its hidden part", ORANGE, |p| Some(p.means.hidden_pct))
                     .beside(thesis.hidden_pct),
             ],
-        ),
+        )
+        .with_stations(),
         panel(
             "Ground in view (fig. 5.12)",
             vec![
@@ -160,7 +172,13 @@ impl Panel {
         axis: [f64; 2],
         value: fn(&Point) -> Option<f64>,
     ) -> Self {
-        Self { title, unit, axis, curves: vec![Curve::new("", BLUE, value)] }
+        let curves = vec![Curve::new("", BLUE, value)];
+        Self { title, unit, axis, curves, of_station: None }
+    }
+
+    /// With the first curve of each station, too.
+    fn with_stations(self) -> Self {
+        Self { of_station: self.curves.first().map(|curve| curve.value), ..self }
     }
 
     /// With the thesis's mean.

@@ -1,11 +1,11 @@
-use csat_proto::model::Ground;
+use csat_proto::model::{Ground, Station};
 use csat_proto::oem::OemCell;
 use csat_proto::raster::{Grid, Raster};
 
 use super::*;
 use crate::metrics::StepRecord;
 use crate::scenario::{self, Request};
-use crate::series::{Means, Point};
+use crate::series::{Curves, Means, Point, Series};
 use crate::testing::scratch;
 use crate::view::{self, Building, Knowledge, Ring, UavTrack};
 
@@ -120,6 +120,7 @@ fn sample_view() -> View {
     let car = |x: f64, y: f64| (0..60).map(|k| [x, y - 30.0 + 0.5 * f64::from(k)]).collect();
     let agents = vec![knowledge(&obstacles)];
     View {
+        stations: Vec::new(),
         scenario: "city".into(),
         seed: 1,
         time_s: 300.0,
@@ -149,6 +150,7 @@ fn sample_series() -> Series {
                 let decay = (-t / 60.0).exp();
                 let identified = (8.0 * (1.0 - (-t / 35.0).exp())).round();
                 Point {
+                    news_age_s: None,
                     time_s: t,
                     identified: identified - if k % 7 == 0 { 0.25 } else { 0.0 },
                     identified_union: identified as u16,
@@ -169,6 +171,10 @@ fn sample_series() -> Series {
             })
             .collect(),
     )
+}
+
+fn of_fleet(fleet: Series) -> Curves {
+    Curves { fleet, ..Curves::default() }
 }
 
 fn sample_summary() -> Summary {
@@ -293,13 +299,13 @@ fn agents_are_chosen_by_index_or_all() {
 fn an_empty_mission_can_be_drawn() {
     let view = View { size_m: [300.0, 100.0], ..View::default() };
     assert!(!map_svg(&view, 0).contains("NaN"));
-    let svg = metrics_svg(&sample_summary(), &Series::default()).unwrap();
+    let svg = metrics_svg(&sample_summary(), &Curves::default()).unwrap();
     assert!(!svg.contains("NaN"));
 }
 
 #[test]
 fn the_metrics_show_every_panel_beside_the_thesis() {
-    let svg = metrics_svg(&sample_summary(), &sample_series()).unwrap();
+    let svg = metrics_svg(&sample_summary(), &of_fleet(sample_series())).unwrap();
     show("metrics.svg", &svg);
     for words in ["fig. 5.9 left", "fig. 5.10", "fig. 5.11", "fig. 5.12", "fig. 5.13", "OEM"] {
         assert!(svg.contains(words), "{words}");
@@ -308,13 +314,38 @@ fn the_metrics_show_every_panel_beside_the_thesis() {
     assert!(!svg.contains("NaN"));
 }
 
+#[test]
+fn stations_are_drawn_and_named() {
+    let mut curves = of_fleet(sample_series());
+    assert!(!metrics_svg(&sample_summary(), &curves).unwrap().contains("station"));
+    let mut late = sample_series();
+    late.0.iter_mut().for_each(|point| point.means.unexplored_pct += 20.0);
+    curves.stations.insert(4, late);
+    let svg = metrics_svg(&sample_summary(), &curves).unwrap();
+    show("metrics-station.svg", &svg);
+    assert!(svg.contains("4 UAVs, 1 station, 8 targets"));
+    let unexplored = curves.stations[&4].second_half().unexplored_pct;
+    assert!(svg.contains(&format!("station 4, dashed: {unexplored:.2}")), "{unexplored}");
+    assert_eq!(
+        svg.matches("station 4, dashed").count(),
+        4,
+        "identified, error, radius, unexplored"
+    );
+    let station = Station { x_m: 20.0, y_m: -30.0, z_m: 2.0 };
+    let view = View { stations: vec![station], ..sample_view() };
+    let svg = map_svg(&view, 0);
+    show("map-station.svg", &svg);
+    assert!(svg.contains("class=\"station\"") && svg.contains("\nS4\n"), "its mark and its name");
+    assert!(svg.contains("4 UAVs, 1 station;"));
+}
+
 /// The thesis flew its own setting for 300 s: nothing else is set beside its numbers.
 #[test]
 fn other_missions_are_not_set_beside_the_thesis() {
     let other = Summary { thesis_setting: false, ..sample_summary() };
     let short = Summary { sim_s: 299.5, ..sample_summary() };
     for summary in [other, short] {
-        let svg = metrics_svg(&summary, &sample_series()).unwrap();
+        let svg = metrics_svg(&summary, &of_fleet(sample_series())).unwrap();
         assert!(!svg.contains("thesis") && !svg.contains("22.06"), "{}", summary.sim_s);
     }
 }
@@ -323,7 +354,7 @@ fn other_missions_are_not_set_beside_the_thesis() {
 #[test]
 fn the_ticks_of_a_short_mission_tell_apart() {
     let second = Series(sample_series().0.into_iter().take(3).collect());
-    let svg = metrics_svg(&sample_summary(), &second).unwrap();
+    let svg = metrics_svg(&sample_summary(), &of_fleet(second)).unwrap();
     let ticks: Vec<&str> =
         svg.lines().map(str::trim).filter(|l| l.parse::<f64>().is_ok()).collect();
     for pair in ticks.windows(2) {

@@ -29,12 +29,14 @@ use super::leash;
 use super::mirror::{Mirror, Picture};
 use crate::fleet::Passage;
 use crate::fleet::remote::account::{Account, Asked, Head, StepTold};
+use crate::plug::Mission;
 use crate::scenario::Scenario;
 use crate::seat::Seat;
 use crate::set_membership::SetMembership;
 use crate::timing::Stopwatch;
 use crate::wire::session::{self, Role, WireError};
 use crate::wire::waiting::Waiting;
+use crate::words::named;
 
 /// How often a process gives signs of life until it flies.
 const PROBE_PERIOD: Duration = Duration::from_millis(50);
@@ -70,9 +72,9 @@ pub enum AgentError {
         limit_s: u64,
     },
     /// The world does not want it.
-    #[error("the world refuses UAV {agent}: {reason}")]
+    #[error("the world refuses agent {agent}: {reason}")]
     Refused {
-        /// Which UAV.
+        /// Which agent.
         agent: AgentId,
         /// Its words.
         reason: String,
@@ -107,7 +109,7 @@ pub enum AgentError {
     Scenario(String),
     /// A message that was announced does not come.
     #[error(
-        "waited {limit_s} s at step {step} for message {number} of UAV {from} on radio {radio}"
+        "waited {limit_s} s at step {step} for message {number} of agent {from} on radio {radio}"
     )]
     Silence {
         /// How long.
@@ -122,7 +124,7 @@ pub enum AgentError {
         number: u64,
     },
     /// The world's process ended.
-    #[error("the world ended without a word; the mission is over for UAV {0}")]
+    #[error("the world ended without a word; the mission is over for agent {0}")]
     WorldGone(AgentId),
     /// The user, or whoever spawned it.
     #[error("ended by {0}")]
@@ -133,7 +135,7 @@ pub(super) fn zenoh_error(error: zenoh::Error) -> AgentError {
     AgentError::Zenoh(error.to_string())
 }
 
-/// Flies UAV `arguments.id` of whatever world answers, until the mission is over. Tells why it is.
+/// Drives agent `arguments.id` of whatever world answers, until the mission is over. Tells why it is.
 ///
 /// # Errors
 /// When it cannot take part, or not go on.
@@ -176,7 +178,8 @@ struct Shell {
     pace: Pace,
     patience: Duration,
     mission: SetMembership,
-    camera: CameraModel,
+    /// `None` for a ground station.
+    camera: Option<CameraModel>,
     period_s: f64,
     seat: Seat<SetMembership>,
     desk: Desk,
@@ -201,9 +204,9 @@ struct Shell {
     since_start: Stopwatch,
     /// For the first frame; `None` in a spawned agent, whose world tells who is missing.
     waiting: Option<Waiting>,
-    /// N^u.
-    fleet: u16,
-    /// Frames that it looked at.
+    /// How many of the agents are UAVs, and how many agents there are.
+    fleet: [u16; 2],
+    /// Frames that it looked at, or steps that it was told of.
     looked: u64,
 }
 
@@ -237,7 +240,7 @@ impl Shell {
             process,
             pace: welcome.pace,
             patience: arguments.patience,
-            camera: scenario.camera,
+            camera: mission.camera(id),
             period_s,
             seat: Seat::new(&mission, id, links),
             mission,
@@ -256,7 +259,7 @@ impl Shell {
             is_world_here: false,
             since_start: Stopwatch::start(),
             waiting: (!arguments.leashed).then(Waiting::start),
-            fleet: scenario.agents.count,
+            fleet: [scenario.agents.count, scenario.agent_count()],
             looked: 0,
         })
     }
@@ -330,16 +333,15 @@ impl Shell {
 
     /// Says now and then why it does not fly yet.
     fn tell_who_is_missing(&mut self) {
-        let Self { id, heard, fleet, waiting: Some(waiting), .. } = self else { return };
+        let Self { id, heard, fleet: [uavs, all], waiting: Some(waiting), .. } = self else {
+            return;
+        };
         waiting.tell(|| {
-            let others = (0..*fleet).map(AgentId).filter(|agent| agent != id);
-            let silent: Vec<String> = others
-                .filter(|agent| !heard.contains_key(agent))
-                .map(|agent| agent.to_string())
-                .collect();
+            let is_silent = |agent: &u16| *agent != id.0 && !heard.contains_key(&AgentId(*agent));
+            let (silent, own) = (named((0..*all).filter(is_silent), *uavs), named([id.0], *uavs));
             match silent.is_empty() {
-                true => format!("the world's first frame: UAV {id} hears all others"),
-                false => format!("UAVs {} to be heard by UAV {id}", silent.join(", ")),
+                true => format!("the world's first frame: {own} hears all others"),
+                false => format!("{silent} to be heard by {own}"),
             }
         });
     }
@@ -446,12 +448,8 @@ impl Shell {
         }
         self.seat.begin(&self.mission, incarnation, &pose);
         if incarnation.is_some() {
-            let (labels, depth) = frame_wire::decode(pixels, self.camera.pixels())
-                .map_err(|error| AgentError::Frame { step, error })?;
-            header.check(&self.camera, self.period_s, &labels)?;
-            let detections = header.detections.clone();
+            self.see(header, pixels)?;
             self.looked += 1;
-            self.seat.look(time, || Frame { step, pose, labels, depth, detections });
         }
         self.talk(time);
         self.answer(step, 0);
@@ -459,6 +457,22 @@ impl Shell {
             self.desk.ask_all();
         }
         self.try_turn();
+        Ok(())
+    }
+
+    /// Hands the agent its frame or, without camera, tells it of the step.
+    fn see(&mut self, header: &FrameHeader, pixels: &[u8]) -> Result<(), AgentError> {
+        let &FrameHeader { step, time, pose, .. } = header;
+        let Some(camera) = &self.camera else {
+            header.check_blind(self.period_s, pixels.len())?;
+            self.seat.step(time, step);
+            return Ok(());
+        };
+        let (labels, depth) = frame_wire::decode(pixels, camera.pixels())
+            .map_err(|error| AgentError::Frame { step, error })?;
+        header.check(camera, self.period_s, &labels)?;
+        let detections = header.detections.clone();
+        self.seat.look(time, || Frame { step, pose, labels, depth, detections });
         Ok(())
     }
 

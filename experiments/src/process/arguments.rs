@@ -34,7 +34,7 @@ pub struct WorldArguments {
 /// `csat agent`.
 #[derive(Debug, Clone, Args)]
 pub struct AgentArguments {
-    /// Which UAV, from 0
+    /// Which agent: the UAVs from 0, then the stations
     #[arg(long, value_name = "N")]
     pub id: u16,
     /// The run to take part in, a mission's seed [default: the one that answers]

@@ -75,7 +75,7 @@ pub enum EtherError {
     #[error(transparent)]
     Envelope(#[from] EnvelopeError),
     /// It does not say of itself what its key says of it.
-    #[error("a message of UAV {got} under the key of UAV {key}")]
+    #[error("a message of agent {got} under the key of agent {key}")]
     Forged {
         /// Whose it says it is.
         got: AgentId,
@@ -83,7 +83,7 @@ pub enum EtherError {
         key: AgentId,
     },
     /// No agent says so much.
-    #[error("message {number} of UAV {from} at step {step}: it can have said {max} by then")]
+    #[error("message {number} of agent {from} at step {step}: it can have said {max} by then")]
     Number {
         /// Whose.
         from: AgentId,
@@ -95,7 +95,7 @@ pub enum EtherError {
         max: u64,
     },
     /// No agent is so far ahead.
-    #[error("a message of UAV {from} of step {step}, but the newest frame is of step {newest}")]
+    #[error("a message of agent {from} of step {step}, but the newest frame is of step {newest}")]
     Ahead {
         /// Whose.
         from: AgentId,
@@ -105,7 +105,7 @@ pub enum EtherError {
         newest: Step,
     },
     /// Another one with this number came before.
-    #[error("a second message {number} of UAV {from}")]
+    #[error("a second message {number} of agent {from}")]
     Twice {
         /// Whose.
         from: AgentId,
@@ -323,7 +323,7 @@ mod tests {
         let error = take(&mut ether, 1, vec![1, 2]).unwrap_err();
         assert!(matches!(error, EtherError::Envelope(_)), "{error}");
         let error = take(&mut ether, 2, message(1, 0, 0)).unwrap_err();
-        assert_eq!(error.to_string(), "a message of UAV 1 under the key of UAV 2");
+        assert_eq!(error.to_string(), "a message of agent 1 under the key of agent 2");
         for number in [u64::MAX, u64::MAX - 1, number_limit(Step(0))] {
             let error = take(&mut ether, 1, message(1, 0, number)).unwrap_err();
             assert!(matches!(error, EtherError::Number { .. }), "{error}");
@@ -332,7 +332,7 @@ mod tests {
         let error = take(&mut ether, 1, forged).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "a message of UAV 1 of step 4294967295, but the newest frame is of step 0"
+            "a message of agent 1 of step 4294967295, but the newest frame is of step 0"
         );
         assert!(ether.hear_all().is_empty());
     }
@@ -343,7 +343,7 @@ mod tests {
         let forged = Envelope { body: b"forged".to_vec(), ..envelope(1, 0, 0) }.encode();
         take(&mut ether, 1, message(1, 0, 0)).unwrap();
         let error = take(&mut ether, 1, forged.clone()).unwrap_err();
-        assert_eq!(error.to_string(), "a second message 0 of UAV 1");
+        assert_eq!(error.to_string(), "a second message 0 of agent 1");
         let heard = ether.hear_all();
         assert_eq!(*heard[0].bytes, *message(1, 0, 0));
         assert!(take(&mut ether, 1, forged).is_ok(), "it is older than what was heard: no news");

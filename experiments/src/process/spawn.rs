@@ -28,6 +28,7 @@ use crate::tell;
 use crate::verdict::{FAILED, INTERRUPTED};
 use crate::wire::config::{DEFAULT_ADDRESS, scheme};
 use crate::wire::session::WireError;
+use crate::words::named;
 
 /// How long agents may take to hear of the end of their world, and how long to end when they are let go.
 const FAREWELLS: [Duration; 2] = [Duration::from_secs(1), Duration::from_secs(4)];
@@ -122,7 +123,7 @@ async fn start_again(id: u16, mut agent: Command, mut leash_end: watch::Receiver
     }
     match agent.spawn() {
         Ok(child) => {
-            tell!("UAV {id} is process {} now", child.id().unwrap_or_default());
+            tell!("agent {id} is process {} now", child.id().unwrap_or_default());
             stay_with(id, child, leash_end).await
         }
         Err(error) => (id, Err(error)),
@@ -163,7 +164,7 @@ async fn supervise(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, Sp
     let mut leash = world.stdin.take();
     let mut is_stopped = false;
     let mut agents: JoinSet<Ended> = JoinSet::new();
-    let count = loaded.scenario.agents.count;
+    let count = loaded.scenario.agent_count();
     let mut pids = String::new();
     for id in 0..count {
         let child = start(nursery.agent(id)?, "csat agent")?;
@@ -174,7 +175,7 @@ async fn supervise(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, Sp
         let endpoint = &nursery.endpoint;
         tell!("{count} agents on {endpoint}; look on with `csat watch --connect {endpoint}`");
         let pid = world.id().unwrap_or_default();
-        tell!("processes: world {pid}, UAVs from 0 on{pids}");
+        tell!("processes: world {pid}, agents from 0 on{pids}");
     }
     let mut restarts = vec![0; usize::from(count)];
     let status = loop {
@@ -194,7 +195,8 @@ async fn supervise(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, Sp
                 // Whose mission is over ended well, be it before the world did.
                 let is_over = status.as_ref().is_ok_and(ExitStatus::success);
                 let is_restarted = arguments.restart && !is_over && *count < MAX_RESTARTS;
-                tell(id, &status, is_restarted);
+                let name = named([id], loaded.scenario.agents.count);
+                tell(&name, &status, is_restarted);
                 if is_restarted {
                     *count += 1;
                     let again = nursery.agent(id)?;
@@ -233,15 +235,15 @@ async fn end_at_once(child: &mut Child) -> Result<ExitStatus, SpawnError> {
     child.wait().await.map_err(SpawnError::Watch)
 }
 
-fn tell(id: u16, status: &io::Result<ExitStatus>, is_restarted: bool) {
+fn tell(name: &str, status: &io::Result<ExitStatus>, is_restarted: bool) {
     match status {
         // The mission is over.
         Ok(status) if status.success() => {}
         Ok(status) => {
             let then = if is_restarted { "starting it again" } else { "the others carry on" };
-            tell!("the process of UAV {id} ended ({status}); {then}");
+            tell!("the process of {name} ended ({status}); {then}");
         }
-        Err(error) => tell!("the process of UAV {id} is out of sight: {error}"),
+        Err(error) => tell!("the process of {name} is out of sight: {error}"),
     }
 }
 

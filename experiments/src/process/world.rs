@@ -68,7 +68,7 @@ pub fn fly(
     if !wire.connect.is_empty() {
         refuse_twice(session, keys)?;
     }
-    let count = usize::from(loaded.scenario.agents.count);
+    let count = usize::from(loaded.scenario.agent_count());
     let speed = pace.realtime.map_or(Pace::Lockstep, Pace::Realtime);
     let welcome = Welcome {
         protocol: PROTOCOL,

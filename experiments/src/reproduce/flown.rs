@@ -1,6 +1,6 @@
 //! What was flown.
 
-use crate::series::Series;
+use crate::series::{Curves, Series};
 use crate::summary::Summary;
 use crate::sweep::SweepError;
 use crate::sweep::folder::SweepFolder;
@@ -31,7 +31,7 @@ pub fn read(folder: &SweepFolder, results: &Results) -> Result<Vec<Vec<Flown>>, 
             .map_err(|e| unreadable(path, "the file of a run", &e))?;
         let path = folder.kept(&manifest.run_name(run)).join("metrics.csv");
         let series =
-            Series::read(&path).map_err(|e| unreadable(path, "the metrics of a run", &e))?;
+            Curves::read(&path).map_err(|e| unreadable(path, "the metrics of a run", &e))?.fleet;
         points[run.point].push(Flown { summary, series });
     }
     Ok(points)

@@ -6,6 +6,7 @@
 pub mod camera_check;
 pub mod differences;
 mod explain;
+mod idle_walls;
 pub mod keys;
 mod map_file;
 pub mod mistake;
@@ -25,7 +26,7 @@ use std::path::Path;
 use csat_agent::config::{ChannelNames, Channels, EstimatorConfig, ExchangeConfig, GuidanceConfig};
 use csat_netem::config::NetemConfig;
 use csat_proto::camera::CameraModel;
-use csat_proto::model::{FleetModel, Ground, TargetsModel};
+use csat_proto::model::{FleetModel, Ground, Station, TargetsModel};
 use csat_world::map::report::by_cause;
 use csat_world::map::{LeftOut, MapConfig, MapWarning};
 use csat_world::world::{World, WorldConfig};
@@ -48,6 +49,8 @@ pub struct Scenario {
     pub name: String,
     /// What every random stream of the run is derived from.
     pub seed: u64,
+    /// `[[stations]]`: agents on the ground, numbered after the UAVs.
+    pub stations: Vec<Station>,
     /// `[run]`.
     pub run: RunConfig,
     /// `[map]`: the town.
@@ -73,6 +76,7 @@ impl Default for Scenario {
         Self {
             name: String::new(),
             seed: 1,
+            stations: Vec::new(),
             run: RunConfig::default(),
             map: MapConfig::default(),
             targets: TargetsModel::default(),
@@ -124,6 +128,11 @@ impl Scenario {
         *self == thesis
     }
 
+    /// How many agents there are: UAVs and stations.
+    pub fn agent_count(&self) -> u16 {
+        self.agents.count.saturating_add(u16::try_from(self.stations.len()).unwrap_or(u16::MAX))
+    }
+
     /// X_g.
     pub fn ground(&self) -> Ground {
         Ground { size_m: self.map.size_m }
@@ -143,6 +152,7 @@ impl Scenario {
             targets: self.targets.clone(),
             tracks: None,
             fleet: self.agents.clone(),
+            stations: self.stations.clone(),
             camera: self.camera,
             period_s: self.run.period_s,
         }
@@ -283,6 +293,9 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
     let told: Vec<MapWarning> =
         map_warnings.iter().filter(|w| !(is_shipped && is_cut(w))).cloned().collect();
     warnings.extend(by_cause(&told).into_iter().map(Mistake::new));
+    if let Ok(world) = &world {
+        warnings.extend(idle_walls::warnings(&scenario, world, &sources, &tree));
+    }
     match world {
         Ok(world) if mistakes.is_empty() => {
             if scenario.name.is_empty() {
@@ -371,5 +384,7 @@ fn quoted_list(names: impl Iterator<Item = &'static str>) -> String {
 
 #[cfg(test)]
 mod reference_tests;
+#[cfg(test)]
+mod station_tests;
 #[cfg(test)]
 mod tests;

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use super::*;
 use crate::testing::scratch;
 
-fn load_with(scenario: &str, sets: &[&str]) -> Result<Loaded, Mistakes> {
+pub(super) fn load_with(scenario: &str, sets: &[&str]) -> Result<Loaded, Mistakes> {
     let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
     load(Request { scenario: Some(scenario), sets: &sets, seed: None })
 }
@@ -19,7 +19,7 @@ fn mistakes_of(text: &str, sets: &[&str]) -> Vec<String> {
 }
 
 /// The only mistake of `--set` arguments on the city.
-fn set_mistake(sets: &[&str]) -> String {
+pub(super) fn set_mistake(sets: &[&str]) -> String {
     let mistakes = load_with("city", sets).unwrap_err().mistakes;
     assert_eq!(mistakes.len(), 1, "{}", Mistakes::from(mistakes));
     mistakes[0].to_string()

@@ -73,7 +73,7 @@ pub fn validate(scenario: &Scenario) -> Vec<Issue> {
     estimator(&mut check, &scenario.estimator, scenario.map.size_m);
     guidance(&mut check, &scenario.guidance, period_s);
     exchange::judge(&mut check, &scenario.exchange, &scenario.netem, period_s);
-    for (key, what) in scenario.netem.mistakes(scenario.agents.count) {
+    for (key, what) in scenario.netem.mistakes(scenario.agent_count()) {
         let key = format!("netem.{key}");
         let key = key.trim_end_matches('.');
         let mistake = Mistake::new(format!("`{key}`: {what}"));

@@ -3,6 +3,7 @@
 use csat_world::map::geojson::without_mark;
 use csat_world::map::{MapError, MapWarning};
 use csat_world::track::TrackError;
+use csat_world::world::stations::StationError;
 use csat_world::world::{World, WorldError};
 
 use super::map_file::MapText;
@@ -55,8 +56,8 @@ pub fn make(
     }
     for error in errors_of_keys {
         let (key, mut mistake) = explain(error, map);
-        if !judged.iter().any(|k| k == key) {
-            let place = tree::deepest(tree, key).map(|node| sources.place(&node.value));
+        if !judged.contains(&key) {
+            let place = tree::deepest(tree, &key).map(|node| sources.place(&node.value));
             mistake = match (&mistake.place, place) {
                 (None, place) => mistake.at(place),
                 (Some(_), Some(Place { source, line, column, is_file, .. })) => {
@@ -79,9 +80,10 @@ fn row(error: WorldError) -> Option<TrackError> {
 }
 
 /// The key to blame and what to say.
-fn explain(error: WorldError, text: Option<&MapText>) -> (&'static str, Mistake) {
+fn explain(error: WorldError, text: Option<&MapText>) -> (String, Mistake) {
     let name = text.map_or("the map", |map| map.name.as_str());
-    match error {
+    let (key, mistake) = match error {
+        WorldError::Station(error) => return explain_station(&error),
         WorldError::Config { key, got, expected }
         | WorldError::Map(MapError::Config { key, got, expected }) => {
             (key, Mistake::new(format!("`{key}` cannot be {got}")).expected(expected))
@@ -97,7 +99,19 @@ fn explain(error: WorldError, text: Option<&MapText>) -> (&'static str, Mistake)
         WorldError::Map(error) => ("map.file", Mistake::new(format!("{name}: {error}"))),
         WorldError::Placement(error) => ("targets.count", Mistake::new(error.to_string())),
         WorldError::Track(error) => ("targets.tracks", Mistake::new(error.to_string())),
-    }
+    };
+    (key.to_owned(), mistake)
+}
+
+/// Said of the station, with what was expected apart.
+fn explain_station(error: &StationError) -> (String, Mistake) {
+    let key = error.index().map_or("stations".to_owned(), |index| format!("stations[{index}]"));
+    let text = error.to_string();
+    let mistake = match text.split_once(": expected ") {
+        Some((what, expected)) => Mistake::new(what).expected(expected),
+        None => Mistake::new(text),
+    };
+    (key, mistake)
 }
 
 /// Line and column, from 1 and in bytes, as a parser counts them that was not shown the byte order mark.

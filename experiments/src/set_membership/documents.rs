@@ -27,7 +27,7 @@ struct PlanBody {
     poses: Vec<Stance>,
 }
 
-/// Where a UAV is or will be.
+/// Where an agent is or will be.
 #[derive(Debug, Serialize)]
 struct Stance {
     p_world: [f64; 3],
@@ -47,6 +47,7 @@ struct StatsBody<'a> {
     unexplored_pct: f64,
     hidden_pct: f64,
     oem_iou_pct: Option<f64>,
+    news_age_s: Option<f64>,
     vertices: u32,
     bytes_sent: u64,
     rejected: &'a BTreeMap<String, u64>,
@@ -55,7 +56,7 @@ struct StatsBody<'a> {
 
 /// Everything but `links`. `hidden` and `oem` only where the report has its maps.
 pub(super) fn documents(
-    camera: &CameraModel,
+    camera: Option<&CameraModel>,
     ground: &Ground,
     step: &AgentStep<'_, Report>,
     known: &Knowledge,
@@ -80,9 +81,9 @@ fn headed(step: &AgentStep<'_, Report>, name: &str, body: impl Serialize) -> Doc
     Document::json(step.topic(name), &Headed { head: step.head(), body })
 }
 
-fn pose(camera: &CameraModel, step: &AgentStep<'_, Report>) -> Document {
+fn pose(camera: Option<&CameraModel>, step: &AgentStep<'_, Report>) -> Document {
     let pose = &step.report.pose;
-    let footprint = camera.at(pose).footprint();
+    let footprint = camera.map_or_else(Vec::new, |camera| camera.at(pose).footprint());
     let footprint = footprint.into_iter().map(|p| p.map(to_millimetre)).collect();
     headed(step, "pose", PoseBody { pose: pose.into(), footprint })
 }
@@ -133,6 +134,7 @@ fn stats(ground: &Ground, step: &AgentStep<'_, Report>) -> Document {
         unexplored_pct: micro(percent_of(ground, report.unexplored.area_m2())),
         hidden_pct: micro(report.hidden_pct),
         oem_iou_pct: report.oem_iou_pct.map(micro),
+        news_age_s: report.news_age_s.map(micro),
         vertices: report.vertices(),
         bytes_sent: step.bytes_sent,
         rejected: &report.tally.rejected,

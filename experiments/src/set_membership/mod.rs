@@ -37,6 +37,7 @@ impl SetMembership {
             ground: scenario.ground(),
             targets: scenario.targets.clone(),
             fleet: scenario.agents.clone(),
+            stations: scenario.agent_count() - scenario.agents.count,
             camera: scenario.camera,
             estimator: scenario.estimator,
             guidance: scenario.guidance.clone(),
@@ -61,8 +62,8 @@ impl Mission for SetMembership {
         SetMembershipAgent::sharing(&config, self.commons.clone().unwrap_or_default())
     }
 
-    fn camera(&self) -> CameraModel {
-        self.config.camera
+    fn camera(&self, id: AgentId) -> Option<CameraModel> {
+        (id.0 < self.config.fleet.count).then_some(self.config.camera)
     }
 
     fn report(&self, agent: &mut SetMembershipAgent, detail: Detail) -> Report {
@@ -91,13 +92,16 @@ impl Mission for SetMembership {
         row.unexplored_pct = percent_of(&self.config.ground, report.unexplored.area_m2());
         row.hidden_pct = report.hidden_pct;
         row.oem_iou_pct = report.oem_iou_pct;
+        row.news_age_s = report.news_age_s;
         row.vertices = report.vertices();
     }
 
     fn watched<'a>(&self, report: &'a Report) -> Watched<'a> {
+        let (view, clear_ground) =
+            (self.config.camera.at(&report.pose), report.clear_ground.as_ref());
         Watched {
-            footprint: self.config.camera.at(&report.pose).footprint(),
-            clear_ground: report.clear_ground.as_ref(),
+            footprint: clear_ground.map_or_else(Vec::new, |_| view.footprint()),
+            clear_ground,
             identified: report.targets.iter().map(|(j, _)| *j).collect(),
             detected: report.detected.clone(),
         }
@@ -115,7 +119,8 @@ impl Mission for SetMembership {
     }
 
     fn documents(&self, step: &AgentStep<'_, Report>, known: &view::Knowledge) -> Vec<Document> {
-        documents::documents(&self.config.camera, &self.config.ground, step, known)
+        let camera = self.camera(step.agent);
+        documents::documents(camera.as_ref(), &self.config.ground, step, known)
     }
 
     fn tally<'a>(&self, report: &'a Report) -> &'a Tally {

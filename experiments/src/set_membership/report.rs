@@ -19,7 +19,7 @@ use crate::plug::{Detail, Tally};
 pub struct Report {
     /// The step that its knowledge is of.
     pub step: Step,
-    /// The pose of its last frame.
+    /// The pose of its last frame, or where a ground station stands.
     pub pose: Pose,
     /// L and X_j, by increasing index, outer.
     pub targets: Vec<(TargetId, Region)>,
@@ -27,7 +27,7 @@ pub struct Report {
     pub unexplored: Region,
     /// X°, inner.
     pub obstacle_margin: Region,
-    /// C of its last frame, inner; `None` before the first one.
+    /// C of its last frame, inner; `None` before the first one, and of a ground station.
     pub clear_ground: Option<Region>,
     /// D: whom its last frame identifies.
     pub detected: Vec<TargetId>,
@@ -37,6 +37,8 @@ pub struct Report {
     pub hidden_pct: f64,
     /// (5.45), per cent; `None` where nothing is hidden.
     pub oem_iou_pct: Option<f64>,
+    /// How old its news of the other UAVs are, mean over them, seconds; `None` where there are none.
+    pub news_age_s: Option<f64>,
     /// What it did not believe and did not say.
     pub tally: Tally,
     /// Its maps, where [`Detail::Full`] was asked for.
@@ -83,6 +85,7 @@ impl Report {
             planned: agent.planned().to_vec(),
             hidden_pct: percent_of(&ground, hidden_m2),
             oem_iou_pct: measured.and_then(|m| oem_iou_pct(&m.hidden, &expected)),
+            news_age_s: agent.news_age_s(),
             tally: Tally { rejected: rejected.collect(), withheld: agent.withheld() },
             maps: (detail == Detail::Full).then(maps),
         }

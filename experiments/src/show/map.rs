@@ -13,6 +13,7 @@ use super::scene::{FRAME, timestamp};
 use super::shape;
 use crate::plot::uav_colour;
 use crate::view::Ring;
+use crate::words::named;
 
 /// A degree has this many of the parts that angles are rounded to, 11 cm on the ground: the map is for
 /// looking at.
@@ -41,7 +42,10 @@ pub fn step(world: &World, seen: &[Seen]) -> GeoJson {
     for seen in seen {
         let colour = uav_colour(usize::from(seen.agent.0));
         if !seen.is_repeated {
-            features.extend(sets(&plane, seen, colour));
+            features.extend(sets(&plane, seen, world.config().fleet.count, colour));
+        }
+        if seen.footprint.is_empty() {
+            continue;
         }
         let footprint = shape::polygon(&[placed(&plane, &seen.footprint)]);
         let style = json!({ "color": colour, "weight": 2, "fillOpacity": 0.05 });
@@ -55,7 +59,7 @@ pub fn step(world: &World, seen: &[Seen]) -> GeoJson {
     geojson(features)
 }
 
-/// Where a UAV is: map panels begin with a look at it, and draw its way.
+/// Where an agent is: map panels begin with a look at it, and draw its way.
 pub fn fix(time_ns: u64, world: &World, index: usize) -> Option<LocationFix> {
     let pose = *world.poses().get(index)?;
     let [east, north, altitude] = pose.p_world;
@@ -72,19 +76,19 @@ pub fn fix(time_ns: u64, world: &World, index: usize) -> Option<LocationFix> {
 }
 
 /// Where an agent knows the targets to be, those it identified and the others.
-fn sets(plane: &TangentPlane, seen: &Seen, colour: &str) -> Vec<Feature> {
+fn sets(plane: &TangentPlane, seen: &Seen, uavs: u16, colour: &str) -> Vec<Feature> {
     let set = |shapes: &[Vec<Ring>], properties: Value| {
         let shapes: Vec<Vec<Ring>> =
             shapes.iter().map(|s| s.iter().map(|ring| placed(plane, ring)).collect()).collect();
         shape::feature(shape::multi_polygon(&shapes), properties)
     };
-    let (known, agent) = (&seen.known, seen.agent);
+    let (known, agent) = (&seen.known, named([seen.agent.0], uavs));
     let faint = json!({ "color": colour, "weight": 1, "fillOpacity": 0.1 });
     let strong = json!({ "color": colour, "weight": 2, "fillOpacity": 0.4 });
-    let name = format!("unexplored by UAV {agent}");
+    let name = format!("unexplored by {agent}");
     let mut features = vec![set(&known.unexplored, json!({ "name": name, "style": faint }))];
     features.extend(known.targets.iter().map(|(target, shapes)| {
-        let name = format!("target {target} of UAV {agent}");
+        let name = format!("target {target} of {agent}");
         set(shapes, json!({ "name": name, "style": strong }))
     }));
     features

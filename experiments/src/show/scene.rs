@@ -66,23 +66,26 @@ pub fn step(time_ns: u64, world: &World, seen: &[Seen]) -> SceneUpdate {
         id: String::new(),
     };
     let mut entities = vec![cars(time_ns, world)];
-    let poses = world.poses();
+    let (poses, uavs) = (world.poses(), world.config().fleet.count);
     entities.extend(seen.iter().filter_map(|seen| {
         let pose = poses.get(usize::from(seen.agent.0))?;
-        Some(uav(time_ns, seen, pose))
+        let is_uav = seen.agent.0 < uavs;
+        Some(if is_uav { uav(time_ns, seen, pose) } else { station(time_ns, seen, pose) })
     }));
     entities.extend(seen.iter().filter(|s| !s.is_repeated).map(|s| knowledge(time_ns, s)));
     SceneUpdate { deletions: vec![everything], entities }
 }
 
-/// Where the UAVs are, so that a viewer can follow one: frames `uav-0`, `uav-1`...
+/// Where the agents are, so that a viewer can follow one: frames `uav-0`, `uav-1`..., `station-4`...
 pub fn frames(time_ns: u64, world: &World) -> FrameTransforms {
+    let uavs = usize::from(world.config().fleet.count);
     let frame = |(index, pose): (usize, &Pose)| {
+        let kind = if index < uavs { "uav" } else { "station" };
         let FoxglovePose { position, orientation } = at(pose.p_world, pose.yaw_rad);
         FrameTransform {
             timestamp: Some(timestamp(time_ns)),
             parent_frame_id: FRAME.to_owned(),
-            child_frame_id: format!("uav-{index}"),
+            child_frame_id: format!("{kind}-{index}"),
             translation: position,
             rotation: orientation,
         }
@@ -115,19 +118,39 @@ fn uav(time_ns: u64, seen: &Seen, pose: &Pose) -> SceneEntity {
         head_diameter: 4.0,
         color: Some(colour),
     };
-    let name = TextPrimitive {
-        pose: Some(at([x, y, z + 5.0], 0.0)),
-        billboard: true,
-        font_size: 14.0,
-        scale_invariant: true,
-        color: Some(colour),
-        text: format!("UAV {}", seen.agent),
-    };
+    let name = name([x, y, z + 5.0], format!("UAV {}", seen.agent), colour);
     SceneEntity {
         arrows: vec![arrow],
         lines: vec![line(&seen.footprint, LineType::LineLoop, 1.5, colour)],
         texts: vec![name],
         ..entity(time_ns, format!("uav {}", seen.agent))
+    }
+}
+
+/// A ground station: its mast, from the ground up to its antenna.
+fn station(time_ns: u64, seen: &Seen, pose: &Pose) -> SceneEntity {
+    let (colour, [x, y, z]) = (colour(seen, 1.0), pose.p_world);
+    let height_m = z.max(1.0);
+    let mast = CubePrimitive {
+        pose: Some(at([x, y, height_m / 2.0], 0.0)),
+        size: Some(Vector3 { x: 2.0, y: 2.0, z: height_m }),
+        color: Some(colour),
+    };
+    SceneEntity {
+        cubes: vec![mast],
+        texts: vec![name([x, y, height_m + 5.0], format!("station {}", seen.agent), colour)],
+        ..entity(time_ns, format!("station {}", seen.agent))
+    }
+}
+
+fn name([x, y, z]: [f64; 3], text: String, colour: Color) -> TextPrimitive {
+    TextPrimitive {
+        pose: Some(at([x, y, z], 0.0)),
+        billboard: true,
+        font_size: 14.0,
+        scale_invariant: true,
+        color: Some(colour),
+        text,
     }
 }
 

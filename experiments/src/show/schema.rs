@@ -20,6 +20,7 @@ pub fn of_topic(topic: &str) -> (String, String) {
     let nested = match name {
         "plan" => Some(("poses", "p_world:[n] yaw_rad:n")),
         "links" => Some(("heard", "src:n channel:n outcome:s count:n delay_s:n")),
+        "town" => Some(("stations", "x_m:n y_m:n z_m:n")),
         "targets" if !is_view => Some(("targets", "target:n location:[n]")),
         _ => None,
     };
@@ -37,8 +38,8 @@ fn of_view(name: &str) -> &'static str {
         "targets" | "unexplored" | "obstacles" => "type:s",
         "hidden" | "oem" => "cell_m:n origin_m:[n]",
         "stats" => {
-            "identified:n unexplored_pct:n hidden_pct:n oem_iou_pct:n vertices:n bytes_sent:n \
-             withheld:n"
+            "identified:n unexplored_pct:n hidden_pct:n oem_iou_pct:n news_age_s:n vertices:n \
+             bytes_sent:n withheld:n"
         }
         _ => "",
     }

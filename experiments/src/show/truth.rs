@@ -1,6 +1,7 @@
 //! What the world's process shows people: what is true, and what the fleet is worth.
 
 use csat_proto::ids::{AgentId, TargetId};
+use csat_proto::model::Station;
 use csat_proto::time::Step;
 use csat_world::world::World;
 use serde::Serialize;
@@ -26,6 +27,7 @@ struct TownHead<'a> {
     scenario: &'a str,
     seed: u64,
     agents: u16,
+    stations: &'a [Station],
     targets: u16,
     duration_s: f64,
     period_s: f64,
@@ -50,6 +52,7 @@ pub fn town(name: &str, scenario: &Scenario, world: &World) -> Document {
         scenario: name,
         seed: scenario.seed,
         agents: scenario.agents.count,
+        stations: &scenario.stations,
         targets: scenario.targets.count,
         duration_s: scenario.run.duration_s,
         period_s: scenario.run.period_s,

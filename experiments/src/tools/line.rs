@@ -142,7 +142,7 @@ fn describe(envelope: &Envelope, message: Option<&Message>) -> String {
         None => format!(", {} B", envelope.body.len()),
     };
     format!(
-        "UAV {src} life {incarnation} radio {channel} message {sequence} step {step} {} s: {}{about}",
+        "agent {src} life {incarnation} radio {channel} message {sequence} step {step} {} s: {}{about}",
         time.seconds(),
         kind(message)
     )
@@ -232,7 +232,7 @@ mod tests {
         assert_eq!(
             text(&plan),
             format!(
-                "csat/1/link/2/0 {} B UAV 2 life 1 radio 0 message 99 step 12 6 s: plan of step 12, \
+                "csat/1/link/2/0 {} B agent 2 life 1 radio 0 message 99 step 12 6 s: plan of step 12, \
                  pass 1, 1 pose",
                 bytes.len()
             )

@@ -42,13 +42,14 @@ impl Judge {
     }
 
     fn agent(&mut self, key: String, agent: u16, agents: u16) {
-        let what = format!("expected an agent below agents.count = {agents}, got {agent}");
+        let what =
+            format!("expected an agent below {agents}, agents.count and stations, got {agent}");
         self.demand(agent < agents, key, what);
     }
 }
 
 impl NetemConfig {
-    /// Every impossible value for a fleet of `agents`, as (key under `netem`, what is wrong).
+    /// Every impossible value for so many `agents`, as (key under `netem`, what is wrong).
     /// Elements of arrays have keys such as `outage[1].agent`.
     pub fn mistakes(&self, agents: u16) -> Vec<(String, String)> {
         let mut judge = Judge::default();

@@ -190,7 +190,11 @@ fn every_impossible_value_is_found() {
         ),
         ("radio.propagation.exponent = -1", "radio.propagation.exponent", "got -1"),
         ("radio.propagation.noise_dbm = nan", "radio.propagation.noise_dbm", "got NaN"),
-        ("outage = [{ agent = 4, from_s = 0 }]", "outage[0].agent", "agents.count = 4, got 4"),
+        (
+            "outage = [{ agent = 4, from_s = 0 }]",
+            "outage[0].agent",
+            "an agent below 4, agents.count and stations, got 4",
+        ),
         (
             "outage = [{ agent = 0, from_s = 0 }, { agent = 1, from_s = 5, until_s = 5 }]",
             "outage[1].until_s",

@@ -15,7 +15,7 @@ use csat_experiments::set_membership::report::Report;
 use csat_experiments::show::documents::{AgentStep, Document};
 use csat_experiments::view;
 use csat_proto::agent::{Agent, Transmit};
-use csat_proto::camera::CameraModel;
+use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::command::YawCommand;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation, TargetId};
@@ -59,6 +59,12 @@ impl FaultyAgent {
     fn own(&self, now: SimTime) -> SimTime {
         now.after(self.ahead_s)
     }
+
+    /// The agent's step when the world's is `step`; `None` if it misses that one.
+    fn noticed(&self, step: Step) -> Option<Step> {
+        let is_missed = self.handicap.missed.iter().any(|steps| steps.contains(&step.0));
+        (!is_missed).then(|| step.after(self.handicap.ahead))
+    }
 }
 
 impl Agent for FaultyAgent {
@@ -66,11 +72,15 @@ impl Agent for FaultyAgent {
     type Event = Event;
 
     fn handle_frame(&mut self, now: SimTime, frame: &Frame) {
-        if self.handicap.missed.iter().any(|steps| steps.contains(&frame.step.0)) {
-            return;
+        if let Some(step) = self.noticed(frame.step) {
+            self.inner.handle_frame(self.own(now), &Frame { step, ..frame.clone() });
         }
-        let step = frame.step.after(self.handicap.ahead);
-        self.inner.handle_frame(self.own(now), &Frame { step, ..frame.clone() });
+    }
+
+    fn handle_step(&mut self, now: SimTime, step: Step, pose: Pose) {
+        if let Some(step) = self.noticed(step) {
+            self.inner.handle_step(self.own(now), step, pose);
+        }
     }
 
     fn handle_message(&mut self, now: SimTime, bytes: &[u8]) {
@@ -125,8 +135,8 @@ impl Mission for Faulty {
         FaultyAgent { inner: self.mission.agent(id, incarnation), handicap, ahead_s }
     }
 
-    fn camera(&self) -> CameraModel {
-        self.mission.camera()
+    fn camera(&self, id: AgentId) -> Option<CameraModel> {
+        self.mission.camera(id)
     }
 
     fn report(&self, agent: &mut FaultyAgent, detail: Detail) -> FaultyReport {

@@ -1,8 +1,8 @@
 //! The mistakes of a scenario that show before anything is built.
 
-use csat_proto::model::FleetModel;
+use csat_proto::model::{FleetModel, Ground};
 
-use super::{WorldConfig, WorldError};
+use super::{WorldConfig, WorldError, stations};
 
 /// Altitude of the lowest UAV, metres; of UAV 0 in an empty fleet.
 pub(super) fn lowest_altitude_m(fleet: &FleetModel) -> f64 {
@@ -12,7 +12,9 @@ pub(super) fn lowest_altitude_m(fleet: &FleetModel) -> f64 {
 /// The mistakes in all tables but `[map]`.
 pub(super) fn mistakes(config: &WorldConfig) -> Vec<WorldError> {
     let WorldConfig { targets, fleet, period_s, .. } = config;
-    let mut errors = Vec::new();
+    let ground = Ground { size_m: config.map.size_m };
+    let far = stations::far_away(&config.stations, fleet.count, &ground);
+    let mut errors: Vec<WorldError> = far.into_iter().map(WorldError::Station).collect();
     let mut expect = |holds: bool, key: &'static str, got: &dyn std::fmt::Debug, expected: &str| {
         if !holds {
             let (got, expected) = (format!("{got:?}"), expected.to_owned());

@@ -39,12 +39,13 @@ use self::now::Now;
 use self::port::{News, Port};
 use self::roster::Roster;
 use self::silence::Silence;
-use super::{Brief, Fleet, Flown, Frames};
+use super::{Brief, Fleet, Flown, Frames, renderers};
 use crate::plug::{Detail, Mission};
 use crate::stages;
 use crate::timing::{StageTimes, Stopwatch};
 use crate::wire::refusals;
 use crate::wire::waiting::Waiting;
+use crate::words::named;
 
 /// The part of a period after which a step in real time is closed.
 const CLOSE_SHARE: f64 = 0.8;
@@ -62,11 +63,11 @@ const FAREWELL: Duration = Duration::from_secs(2);
 #[derive(Debug, thiserror::Error)]
 pub enum FleetError {
     /// Somebody did not do something in time.
-    #[error("waited {limit_s} s for UAVs {whom} to {what}")]
+    #[error("waited {limit_s} s for {whom} to {what}")]
     Late {
         /// How long.
         limit_s: u64,
-        /// Their indexes.
+        /// Their names.
         whom: String,
         /// What was waited for.
         what: String,
@@ -104,7 +105,7 @@ struct Member<R> {
     is_new: bool,
     /// What became of messages to processes that are gone.
     ended: Ended,
-    /// Frames of its camera so far, whether or not there was a process to look at them.
+    /// Frames of its camera so far, or steps where it has none, whether or not there was a process to look at them.
     shown: u64,
     /// Whether its process has said anything since the step began.
     is_heard: bool,
@@ -118,7 +119,8 @@ pub struct RemoteFleet<M: Mission> {
     pace: Pace,
     patience: Duration,
     members: Vec<Member<M::Report>>,
-    renderers: Vec<Renderer>,
+    /// By index; `None` for agents without camera.
+    renderers: Vec<Option<Renderer>>,
     render_times: Vec<StageTimes>,
     /// Since the first frame, in real time.
     clock: Option<Stopwatch>,
@@ -136,7 +138,6 @@ impl<M: Mission> RemoteFleet<M> {
     /// an error.
     pub fn new(mission: &M, port: Port, roster: Roster, pace: Pace, patience: Duration) -> Self {
         let count = roster.count();
-        let renderers = (0..count).map(|_| Renderer::new(mission.camera()));
         let member = |_| Member {
             done: None,
             said: None,
@@ -150,7 +151,7 @@ impl<M: Mission> RemoteFleet<M> {
             silence: Silence::default(),
         };
         Self {
-            renderers: renderers.collect(),
+            renderers: renderers(mission, count),
             members: (0..count).map(member).collect(),
             render_times: vec![StageTimes::default(); count],
             port,
@@ -192,10 +193,10 @@ impl<M: Mission> RemoteFleet<M> {
             }
             let left = watch.left(limit);
             if left.is_zero() {
-                return Err(late(limit, &missing, self.roster.what_is_missing(&missing)));
+                return Err(self.late(limit, &missing, self.roster.what_is_missing(&missing)));
             }
             waiting.tell(|| {
-                format!("UAVs {} to {}", listed(&missing), self.roster.what_is_missing(&missing))
+                format!("{} to {}", self.names(&missing), self.roster.what_is_missing(&missing))
             });
             if let Some(news) = self.port.next(left.min(LOOK)) {
                 self.take(news);
@@ -234,7 +235,7 @@ impl<M: Mission> RemoteFleet<M> {
 
     fn done(&mut self, agent: AgentId, done: Done) {
         if let Err(reason) = self.check_done(agent, &done) {
-            self.port.refusals().count("answer", &format!("UAV {agent}: {reason}"));
+            self.port.refusals().count("answer", &format!("agent {agent}: {reason}"));
             return;
         }
         let member = &mut self.members[usize::from(agent.0)];
@@ -273,7 +274,7 @@ impl<M: Mission> RemoteFleet<M> {
             }
             Ok(_) => {}
             Err(reason) => {
-                self.port.refusals().count("report", &format!("UAV {agent}: {reason}"));
+                self.port.refusals().count("report", &format!("agent {agent}: {reason}"));
             }
         }
     }
@@ -306,7 +307,7 @@ impl<M: Mission> RemoteFleet<M> {
             }
             match self.port.next(watch.left(self.patience)) {
                 Some(news) => self.take(news),
-                None => return Err(late(self.patience, &open, what())),
+                None => return Err(self.late(self.patience, &open, what())),
             }
         }
     }
@@ -346,7 +347,16 @@ impl<M: Mission> RemoteFleet<M> {
         Err(FleetError::Abandoned { limit_s: self.patience.as_secs(), step })
     }
 
-    /// Renders and sends all frames.
+    fn names(&self, agents: &[AgentId]) -> String {
+        let uavs = self.renderers.iter().flatten().count() as u16;
+        named(agents.iter().map(|agent| agent.0), uavs)
+    }
+
+    fn late(&self, limit: Duration, whom: &[AgentId], what: String) -> FleetError {
+        FleetError::Late { limit_s: limit.as_secs(), whom: self.names(whom), what }
+    }
+
+    /// Renders and sends all frames; an agent without camera gets one without pixels.
     fn show_frames(&mut self, brief: &Brief) {
         let said: Vec<SaidSoFar> = self.said();
         for (member, is_down) in self.members.iter_mut().zip(&brief.is_down_by_schedule) {
@@ -361,8 +371,9 @@ impl<M: Mission> RemoteFleet<M> {
                 return;
             }
             let incarnation = brief.lives[index];
+            let camera = renderer.as_mut().filter(|_| incarnation.is_some());
             let (frame, rendered) =
-                stages::collect(|| incarnation.map(|_| brief.frame(renderer, agent)));
+                stages::collect(|| camera.map(|renderer| brief.frame(renderer, agent)));
             *times = rendered;
             let header = FrameHeader {
                 world: voice.world(),
@@ -480,14 +491,6 @@ impl<M: Mission> RemoteFleet<M> {
             })
             .collect()
     }
-}
-
-fn listed(agents: &[AgentId]) -> String {
-    agents.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
-}
-
-fn late(limit: Duration, whom: &[AgentId], what: String) -> FleetError {
-    FleetError::Late { limit_s: limit.as_secs(), whom: listed(whom), what }
 }
 
 impl<M: Mission> Fleet<M> for RemoteFleet<M> {

@@ -131,13 +131,13 @@ impl Roster {
             ));
         }
         let place = self.seats.get(usize::from(join.agent.0)).ok_or_else(|| {
-            format!("there is no UAV {} in a fleet of {}", join.agent, self.seats.len())
+            format!("there is no agent {} among {}", join.agent, self.seats.len())
         })?;
         let is_abandoned =
             place.tokenless.is_some_and(|since| since.left(self.token_limit).is_zero());
         match place.process {
             Some(process) if process != join.process && !is_abandoned => Err(format!(
-                "UAV {} is flown by another process; expected another --id, or that one to end",
+                "agent {} is flown by another process; expected another --id, or that one to end",
                 join.agent
             )),
             _ => Ok(()),

@@ -53,7 +53,7 @@ pub fn cars(targets: &TargetsModel, heading_rad: f64) -> Scene {
 /// occupancy-elevation map made of this frame says is hidden, per cent.
 pub fn oem_iou_pct(mission: &SetMembership, seed: u64) -> Option<f64> {
     let mut agent = mission.agent(AgentId(0), Incarnation(0));
-    let mut renderer = Renderer::new(mission.camera());
+    let mut renderer = Renderer::new(mission.camera(AgentId(0))?);
     let frame = renderer.frame(&buildings(), &pose(), Step(0), seed, AgentId(0));
     agent.handle_frame(SimTime(0), &frame);
     agent.handle_timeout(SimTime(0));

@@ -9,6 +9,7 @@ use super::place::Places;
 use super::run::Run;
 use crate::tools::keys::{When, intersects, nearest, when};
 use crate::tools::rates;
+use crate::words::named;
 
 /// Why a session may be connected to nobody, though something takes connections.
 pub const LOCKED_OUT: &str = "whoever takes the connection is no Zenoh that lets this one in: another \
@@ -77,14 +78,15 @@ pub fn run(run: &Run, seconds: f64) -> Vec<Finding> {
     findings
 }
 
-/// `UAV 3` or `UAVs 3, 4`.
-fn uavs<'a>(agents: impl IntoIterator<Item = &'a u16>) -> String {
-    let all: Vec<String> = agents.into_iter().map(ToString::to_string).collect();
-    format!("UAV{} {}", if all.len() == 1 { "" } else { "s" }, all.join(", "))
+/// Agents by name, as far as it is known what they are.
+fn names(run: &Run, agents: impl IntoIterator<Item = u16>) -> String {
+    named(agents, run.uavs.unwrap_or(u16::MAX))
 }
 
 fn alive(run: &Run, check: &str) -> Finding {
     let missing = run.missing();
+    let all = names(run, run.agents.iter().copied());
+    let lacking = names(run, missing.iter().copied());
     let start = || {
         let first = missing.first().copied().unwrap_or_default();
         format!("start `csat agent --id {first}`; `csat spawn --restart` does that by itself")
@@ -96,18 +98,16 @@ fn alive(run: &Run, check: &str) -> Finding {
                 "a program that is no csat, or one behind a router that does not pass tokens on",
             )
         }
-        (false, _) => Finding::problem(check, format!("{} alive, but no world", uavs(&run.agents)))
+        (false, _) => Finding::problem(check, format!("{all} alive, but no world"))
             .advice("its `csat world` ended or is not connected to these processes"),
-        (true, _) if !missing.is_empty() && run.orders == 0 => Finding::problem(
-            check,
-            format!("the world waits: processes of {} are missing", uavs(&missing)),
-        )
-        .advice(start()),
-        (true, _) if !missing.is_empty() => Finding::warning(
-            check,
-            format!("processes of {} are gone; the others carry on", uavs(&missing)),
-        )
-        .advice(start()),
+        (true, _) if !missing.is_empty() && run.orders == 0 => {
+            Finding::problem(check, format!("the world waits: processes of {lacking} are missing"))
+                .advice(start())
+        }
+        (true, _) if !missing.is_empty() => {
+            Finding::warning(check, format!("processes of {lacking} are gone; the others carry on"))
+                .advice(start())
+        }
         (true, Some(count)) => {
             Finding::ok(check, format!("the world and all {count} agents are alive"))
         }
@@ -116,11 +116,7 @@ fn alive(run: &Run, check: &str) -> Finding {
                 .advice("it waits for them: start `csat agent --id 0` and so on")
         }
         (true, None) => {
-            let agents = uavs(&run.agents);
-            Finding::ok(
-                check,
-                format!("the world and {agents} are alive; how many it has is unknown"),
-            )
+            Finding::ok(check, format!("the world and {all} are alive; how many it has is unknown"))
         }
     }
 }
@@ -161,11 +157,14 @@ fn views(run: &Run, seconds: f64, check: &str) -> Option<Finding> {
              program or version may show nothing",
         ));
     }
-    let silent: Vec<&u16> = run.agents.iter().filter(|a| !run.viewed.contains(a)).collect();
+    let silent: Vec<u16> = run.agents.difference(&run.viewed).copied().collect();
     if silent.is_empty() {
-        return Some(Finding::ok(check, format!("{} show what they know", uavs(&run.viewed))));
+        return Some(Finding::ok(
+            check,
+            format!("{} show what they know", names(run, run.viewed.iter().copied())),
+        ));
     }
-    let text = format!("{} showed nothing within {seconds:.1} s", uavs(silent));
+    let text = format!("{} showed nothing within {seconds:.1} s", names(run, silent));
     Some(
         Finding::warning(check, text).advice("an agent that is down by the scenario shows nothing"),
     )

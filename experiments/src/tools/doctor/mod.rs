@@ -251,7 +251,9 @@ fn fleet(
         examination.found([judge::nobody(arguments.run, &others, heard.peers)]);
     }
     for mut run in runs {
-        run.expected = fleet_size(session, run.run)?.or(run.flown());
+        let fleet = fleet_size(session, run.run)?;
+        run.uavs = fleet.map(|(uavs, _)| uavs);
+        run.expected = fleet.map(|(uavs, stations)| uavs.saturating_add(stations)).or(run.flown());
         examination.found(judge::run(&run, heard.seconds));
         examination.diagnosis.runs.push(run);
     }
@@ -262,13 +264,15 @@ fn fleet(
     Ok(())
 }
 
-/// How many agents a run has, if its world tells.
-fn fleet_size(session: &Session, run: u64) -> Result<Option<u16>, DoctorError> {
+/// How many UAVs and stations a run has, if its world tells.
+fn fleet_size(session: &Session, run: u64) -> Result<Option<(u16, u16)>, DoctorError> {
     let replies = session.get(format!("csat/{run}/truth/town")).timeout(ANSWER_LIMIT).wait();
     let mut towns = replies.map_err(zenoh_error)?.into_iter().filter_map(|reply| {
         let sample = reply.into_result().ok()?;
         let town: serde_json::Value = serde_json::from_slice(&sample.payload().to_bytes()).ok()?;
-        u16::try_from(town.get("agents")?.as_u64()?).ok()
+        let uavs = u16::try_from(town.get("agents")?.as_u64()?).ok()?;
+        let stations = town.get("stations").and_then(|all| all.as_array()).map_or(0, Vec::len);
+        Some((uavs, u16::try_from(stations).ok()?))
     });
     Ok(towns.next())
 }

@@ -36,6 +36,8 @@ pub struct Run {
     pub world: bool,
     /// The agents whose processes are alive.
     pub agents: BTreeSet<u16>,
+    /// How many of its agents are UAVs, if that is known; the others are stations.
+    pub uavs: Option<u16>,
     /// How many agents it has, if that is known.
     pub expected: Option<u16>,
     /// How many orders its world gave.

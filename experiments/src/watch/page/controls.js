@@ -143,6 +143,8 @@ function showAgents() {
   while (box.children.length < count) box.append(agentButton(box.children.length));
   for (let agent = 0; agent < count; agent++) {
     const button = box.children[agent];
+    const title = `What ${nameOf(agent)} knows${agent < 10 ? ` (key ${agent})` : ''}`;
+    if (button.title !== title) [button.title, button.firstChild.textContent] = [title, shortName(agent)];
     const down = isDown(agent);
     const pressed = String(agent === state.agent);
     if (button.getAttribute('aria-pressed') !== pressed) button.setAttribute('aria-pressed', pressed);
@@ -157,9 +159,7 @@ function agentButton(agent) {
   const button = document.createElement('button');
   button.type = 'button';
   button.style.setProperty('--of-uav', uavColour(agent));
-  button.title = agent < 10 ? `What UAV ${agent} knows (key ${agent})` : `What UAV ${agent} knows`;
   const name = document.createElement('span');
-  name.textContent = `U${agent}`;
   button.append(name, document.createElement('small'));
   button.addEventListener('click', () => chooseAgent(agent));
   return button;

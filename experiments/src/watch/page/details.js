@@ -16,11 +16,12 @@ function showHeader() {
   const alarm = byId('alarm');
   alarm.hidden = !(violations > 0);
   setText('alarm', violations > 0
-    ? `VIOLATED ${violations === 1 ? 'once' : `${violations} times`}: what is guaranteed (a car in the set of each UAV, separations, messages accounted for) did not hold.`
+    ? `VIOLATED ${violations === 1 ? 'once' : `${violations} times`}: what is guaranteed (a car in the set of each agent, separations, messages accounted for) did not hold.`
     : '');
   setText('attribution', doc?.attribution ?? '');
-  const shown = [`knowledge of UAV ${state.agent}`, `time ${state.time ?? '–'} s`,
-    `${agentCount()} UAVs`, `${known ?? 0} of ${targetCount() ?? '?'} cars identified`];
+  const stations = stationCount();
+  const shown = [`knowledge of ${nameOf(state.agent)}`, `time ${state.time ?? '–'} s`,
+    `${agentCount() - stations} UAVs`, ...(stations ? [`${stations} stations`] : []), `${known ?? 0} of ${targetCount() ?? '?'} cars identified`];
   byId('fleet').setAttribute('aria-label', `Map of the region: ${shown.join(', ')}`);
 }
 
@@ -36,7 +37,7 @@ const percent = (value) => (isNumber(value) ? `${value.toFixed(1)} %` : '–');
 function showDetails() {
   const agent = state.agent;
   const condition = isDown(agent) ? ': crashed' : isLate(agent) ? ': late' : '';
-  setText('details-title', `UAV ${agent}${condition}`);
+  setText('details-title', `${nameOf(agent)}${condition}`);
   const [pose, stats] = [view(agent, 'pose'), view(agent, 'stats')];
   const rows = [];
   const place = placeOf(agent);
@@ -44,13 +45,14 @@ function showDetails() {
     const [x, y, z] = place;
     const heading = ((90 - (pose.yaw_rad * 180) / Math.PI) % 360 + 360) % 360;
     rows.push(['position', inWords(x, y, 0)], ['altitude', `${z.toFixed(0)} m`]);
-    if (isNumber(heading)) rows.push(['course', `${heading.toFixed(0)}°`]);
+    if (isNumber(heading) && !isStation(agent)) rows.push(['course', `${heading.toFixed(0)}°`]);
     if (pose.incarnation > 0) rows.push(['restarted', times(pose.incarnation)]);
   }
   if (stats) {
     rows.push(['identified', `${stats.identified} of ${targetCount() ?? '?'}`]);
     rows.push(['unexplored', percent(stats.unexplored_pct)], ['hidden', percent(stats.hidden_pct)]);
-    rows.push(['map agrees (OEM)', percent(stats.oem_iou_pct)]);
+    if (!isStation(agent)) rows.push(['map agrees (OEM)', percent(stats.oem_iou_pct)]);
+    if (isNumber(stats.news_age_s)) rows.push(['news of UAVs', `${stats.news_age_s.toFixed(1)} s old`]);
     rows.push(['vertices of sets', String(stats.vertices ?? '–')], ['sent', short(stats.bytes_sent, 'B')]);
     if (stats.withheld > 0) rows.push(['steps withheld', String(stats.withheld)]);
     for (const [reason, count] of Object.entries(stats.rejected ?? {})) {
@@ -60,7 +62,7 @@ function showDetails() {
   for (const { src, delivered, lost } of heardBy(agent)) {
     const losses = [...lost].map(([name, count]) => `${count} ${outcomeOf(name).words}`);
     const got = delivered ? [`${delivered} arrived`] : [];
-    rows.push([`from U${src}`, [...got, ...losses].join(', ')]);
+    rows.push([`from ${shortName(src)}`, [...got, ...losses].join(', ')]);
   }
   const box = byId('details');
   while (box.children.length > rows.length * 2) box.lastChild.remove();

@@ -1,4 +1,4 @@
-// What moves: UAVs, where they look and mean to fly, cars, and the names of sets.
+// What moves: agents, where they look and mean to fly, cars, and the names of sets.
 
 function drawFleet(context, now) {
   context.setTransform(1, 0, 0, 1, 0, 0);
@@ -13,7 +13,7 @@ function drawFleet(context, now) {
   if (layerShown('plans')) running.forEach((agent) => drawPlan(context, agent));
   const fading = layerShown('links') ? drawLinks(context, agents, now) : false;
   if (layerShown('cars')) drawCars(context);
-  const taken = agents.map((agent) => drawUav(context, agent)).filter(Boolean);
+  const taken = agents.map((agent) => drawAgent(context, agent)).filter(Boolean);
   if (layerShown('targets')) drawTargetNames(context, taken);
   return fading;
 }
@@ -46,7 +46,7 @@ function drawFootprint(context, agent) {
 
 function drawPath(context, agent) {
   const path = state.paths.get(agent);
-  if (!path?.length) return;
+  if (!path?.length || isStation(agent)) return;
   const count = countUntil(path, (point) => point[0]);
   if (!count) return;
   const points = path.slice(0, count).map(([, x, y]) => [x, y]);
@@ -105,10 +105,13 @@ function drawCars(context) {
   }
 }
 
+const ARROW = [[12, 0], [-8, 7], [-4, 0], [-8, -7]];
+const MAST = [[0, -10], [9, 7], [-9, 7]];
+
 const targetsOf = (agent) => view(agent, 'targets')?.features ?? [];
 
-// An arrowhead; a cross for who crashed. Gives the box that its name takes.
-function drawUav(context, agent) {
+// An arrowhead, or a mast for a station; a cross for who crashed. Gives the box that its name takes.
+function drawAgent(context, agent) {
   const pose = view(agent, 'pose');
   const place = placeOf(agent);
   if (!place) return null;
@@ -131,10 +134,10 @@ function drawUav(context, agent) {
       context.stroke();
     }
   } else {
-    context.rotate(-(pose.yaw_rad ?? 0));
+    if (!isStation(agent)) context.rotate(-(pose.yaw_rad ?? 0));
     context.scale(size, size);
     context.beginPath();
-    [[12, 0], [-8, 7], [-4, 0], [-8, -7]].forEach(([a, b]) => context.lineTo(a, b));
+    (isStation(agent) ? MAST : ARROW).forEach(([a, b]) => context.lineTo(a, b));
     context.closePath();
     context.fillStyle = uavColour(agent);
     context.strokeStyle = '#ffffff';
@@ -148,7 +151,7 @@ function drawUav(context, agent) {
     }
   }
   context.restore();
-  const name = down ? `U${agent} crashed` : `U${agent}`;
+  const name = down ? `${shortName(agent)} crashed` : shortName(agent);
   const width = name.length * 7.5;
   label(context, name, [x, y - 15], { colour: down ? COLOUR.down : uavColour(agent), size: chosen ? 14 : 12 });
   return [x - width / 2, y - 28, width, 40];
@@ -176,8 +179,8 @@ function highestPoint(feature) {
   return points.reduce((best, point) => (best && best[1] >= point[1] ? best : point), null);
 }
 
-// The UAV at a pixel.
-function uavAt([px, py]) {
+// The agent at a pixel.
+function agentAt([px, py]) {
   let best = null;
   for (let agent = 0; agent < agentCount(); agent++) {
     const place = placeOf(agent);

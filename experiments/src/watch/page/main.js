@@ -125,7 +125,7 @@ function start() {
   listenToButtons();
   listenToKeys();
   listenToPointers(byId('fleet'), (pixel) => {
-    const agent = uavAt(pixel);
+    const agent = agentAt(pixel);
     if (agent !== null) chooseAgent(agent);
   });
   const wide = window.matchMedia('(min-width: 761px)');

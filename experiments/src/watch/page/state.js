@@ -20,7 +20,7 @@ const byId = (id) => document.getElementById(id);
 const isNumber = (value) => typeof value === 'number' && Number.isFinite(value);
 const view = (agent, name) => state.docs[`view/${agent}/${name}`];
 const town = () => state.docs['truth/town'];
-// Where a UAV is, [x, y, z] in metres.
+// Where an agent is, [x, y, z] in metres.
 function placeOf(agent) {
   const place = view(agent, 'pose')?.p_world;
   return Array.isArray(place) && place.length === 3 && place.every(isNumber) ? place : null;
@@ -88,9 +88,16 @@ function countUntil(series, timeOf) {
   return low;
 }
 
+// UAVs are numbered first, ground stations after them.
+const uavCount = () => (isNumber(town()?.agents) ? town().agents : null);
+const stationCount = () => (Array.isArray(town()?.stations) ? town().stations.length : 0);
+const isStation = (agent) => uavCount() !== null && agent >= uavCount() && agent < uavCount() + stationCount();
+const nameOf = (agent) => `${isStation(agent) ? 'station' : 'UAV'} ${agent}`;
+const shortName = (agent) => `${isStation(agent) ? 'S' : 'U'}${agent}`;
+
 // Agents 0..n-1: as many as the town says or as were heard.
 function agentCount() {
-  let count = isNumber(town()?.agents) ? town().agents : 0;
+  let count = (uavCount() ?? 0) + stationCount();
   for (const topic of Object.keys(state.docs)) {
     const [root, agent] = topic.split('/');
     const number = root === 'view' ? Number(agent) : NaN;
