@@ -177,6 +177,25 @@ fn a_fleet_that_flies_shows_and_a_page_comes_back() {
     browser.wait_for("document.getElementById('time').textContent === '12.0 of 12 s'");
     assert_eq!(browser.value("state.metrics.length"), 25);
 
+    // Another agent is drawn with what it knows, by its button and by its key; a step brings what is now.
+    browser.click("#agents button:nth-child(2)");
+    browser.wait_for("state.agent === 1 && view(1, 'oem') && !live.step");
+    browser.press("0");
+    browser.wait_for("state.agent === 0 && view(0, 'oem') && !live.step");
+    browser.click("#play");
+    browser.wait_for("!state.playing");
+    let body = json!({"time_s": 12.25, "violations": 0, "alive": [true, true, true]}).to_string();
+    hub.publish([Document::parse("truth/metrics", body.as_bytes()).unwrap()]);
+    browser.wait_for("behind() > 0");
+    browser.press("ArrowRight");
+    browser.wait_for("state.time === 12.25 && !state.playing");
+    browser.click("#play");
+    browser.wait_for("state.playing");
+    // What moves a recording in time is not there.
+    let hidden =
+        "[...document.querySelectorAll('.recorded')].every((e) => e.offsetParent === null)";
+    assert_eq!(browser.value(hidden), true);
+
     // A mission that is over is not quiet: it says so, also to who comes later or paused it.
     hub.end(true);
     let ended = "document.getElementById('connection').textContent === 'the mission ended'";

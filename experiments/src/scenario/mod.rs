@@ -27,8 +27,7 @@ use csat_agent::config::{ChannelNames, Channels, EstimatorConfig, ExchangeConfig
 use csat_netem::config::NetemConfig;
 use csat_proto::camera::CameraModel;
 use csat_proto::model::{FleetModel, Ground, Station, TargetsModel};
-use csat_world::map::report::by_cause;
-use csat_world::map::{LeftOut, MapConfig, MapWarning};
+use csat_world::map::{LeftOut, MapConfig, MapWarning, by_cause};
 use csat_world::world::{World, WorldConfig};
 use serde::{Deserialize, Serialize};
 

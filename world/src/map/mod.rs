@@ -7,6 +7,7 @@
 //! | `repair` | outlines of real towns made valid |
 //! | `merge` | outlines that overlap made disjoint |
 //! | [`project`] | longitude and latitude to the local tangent plane |
+//! | `causes` | warnings by cause |
 //! | [`count`] | what became of each feature of a file |
 //! | [`report`] | what can be wrong with a map, and what was put right |
 
@@ -16,6 +17,7 @@ use std::path::PathBuf;
 use csat_proto::model::Ground;
 use serde::{Deserialize, Serialize};
 
+mod causes;
 pub mod count;
 pub mod generate;
 pub mod geojson;
@@ -24,6 +26,7 @@ pub mod project;
 mod repair;
 pub mod report;
 
+pub use causes::by_cause;
 pub use count::{FeatureCount, LeftOut};
 pub use report::{FeatureRef, MapError, MapWarning};
 
