@@ -302,9 +302,9 @@ Examples:
   csat reproduce table1 --seeds 1..3 --duration 60 --jobs 2
   csat reproduce chapter4 --out reproductions/look
 
-DIR holds report.html (tables and plots, needs no network) and tables.txt; chapter5 and table1 are
-sweeps, so it also holds what `csat sweep --keep-runs` leaves: sweep.json, runs/, folders/, sweep.csv
-and sweep_means.csv.
+DIR holds report.html (tables and plots, needs no network), tables.txt and tables.json; chapter5 and
+table1 are sweeps, so it also holds what `csat sweep --keep-runs` leaves: sweep.json, runs/, folders/,
+sweep.csv, sweep_means.csv and sweep_pairs.csv. With more --seeds, --resume flies those that are new.
 
 Exit codes:
   0    done
@@ -327,7 +327,11 @@ Several --vary make every combination; the report has the first one along its ax
 as colours.
 
 DIR holds sweep.json (what belongs to the sweep), runs/ (a file per finished run), sweep.csv (a row
-per run), sweep_means.csv (means, deviations, confidence) and report.html.
+per run), sweep_means.csv (means, deviations, confidence), sweep_pairs.csv (differences within a
+seed) and report.html.
+
+With --resume a sweep grows: the same command with more seeds, more values or further keys flies
+what is new.
 
 Exit codes:
   0    done

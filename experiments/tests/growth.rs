@@ -5,8 +5,9 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::sweeps::{done, refused, results, run_path, runs, sweep};
-use common::{csat, json, names, read, scratch, text};
+use common::fleet::{end, process};
+use common::sweeps::{FILES, done, refused, results, run_path, runs, sweep};
+use common::{SMALL, csat, json, names, read, scratch, text};
 
 /// What a run's file says of the clock changes whenever it is flown.
 fn as_written(folder: &Path) -> Vec<(String, String)> {
@@ -55,6 +56,26 @@ fn a_sweep_grows_by_seeds_values_and_keys_and_flies_only_what_is_new() {
     fs::remove_file(run_path(&base.path().join("out"), "range_m-60-mode-none-", 2)).unwrap();
     let less = ["city", "--vary", &more, "--seeds", "1", "--resume", "--out", "out"];
     assert!(done(base.path(), &less).contains("16 runs: 15 flown"));
+}
+
+/// As the parts of a job array do.
+#[test]
+fn parts_that_start_at_once_let_a_sweep_grow_once() {
+    let base = scratch();
+    let vary = ["city", "--vary", "agents.speed_m_s=4,5", "--seeds"];
+    done(base.path(), &[&vary[..], &["1", "--out", "shared"]].concat());
+    let part = |shard| {
+        let rest = ["1..3", "--resume", "--out", "shared", "--shard", shard];
+        process(base.path(), &[&["sweep"], SMALL, &vary, &rest].concat())
+    };
+    for child in ["1/3", "2/3", "3/3"].map(part) {
+        let output = end(child);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    }
+    done(base.path(), &[&vary[..], &["1..3", "--out", "at-once"]].concat());
+    let [shared, at_once] = ["shared", "at-once"].map(|name| base.path().join(name));
+    assert_eq!((results(&shared), runs(&shared)), (results(&at_once), runs(&at_once)));
+    assert_eq!(names(&shared), FILES);
 }
 
 #[test]

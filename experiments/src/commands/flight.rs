@@ -97,18 +97,26 @@ fn is_bad(record: &RunRecord) -> bool {
     record.failed.is_some() || record.violations() > 0
 }
 
+/// The most runs that are missing, or not what they should be, that are named one by one.
+const MAX_NAMED: usize = 50;
+
 /// Says on stderr which runs are missing or not what they should be.
 pub fn complain(results: &Results) {
-    results.bad.iter().for_each(|bad| tell!("{bad}"));
+    let mut lines: Vec<String> = results.bad.iter().map(ToString::to_string).collect();
     for (run, record) in &results.runs {
         let name = results.manifest.run_name(run);
         match record {
-            None => tell!("missing: {name}\n  = fly it with --resume"),
+            None => lines.push(format!("missing: {name}\n  = fly it with --resume")),
             Some(record) if is_bad(record) => {
-                tell!("{name}: {}\n  = fly it again with `{}`", record.describe(), record.replay);
+                let (what, replay) = (record.describe(), &record.replay);
+                lines.push(format!("{name}: {what}\n  = fly it again with `{replay}`"));
             }
             Some(_) => {}
         }
+    }
+    lines.iter().take(MAX_NAMED).for_each(|line| tell!("{line}"));
+    if let Some(more @ 1..) = lines.len().checked_sub(MAX_NAMED) {
+        tell!("and {more} more: see report.html and sweep.csv");
     }
 }
 

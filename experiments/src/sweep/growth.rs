@@ -33,7 +33,7 @@ pub fn union(
         ));
     }
     // A mission that both have is the same in every key.
-    if here.points.iter().all(|point| there.point_of(&point.scenario_hash).is_none()) {
+    if hashes(there).is_disjoint(&hashes(here)) {
         lines.extend(scenarios(there, here).into_iter().map(line));
     }
     if !lines.is_empty() {
@@ -69,6 +69,10 @@ pub(crate) fn keys(manifest: &Manifest) -> BTreeSet<&str> {
     manifest.vary.iter().flat_map(|axis| &axis.keys).map(String::as_str).collect()
 }
 
+fn hashes(manifest: &Manifest) -> BTreeSet<&str> {
+    manifest.points.iter().map(|point| point.scenario_hash.as_str()).collect()
+}
+
 /// The keys of two sweeps' scenarios that differ, but for those that vary.
 pub(crate) fn scenarios(there: &Manifest, here: &Manifest) -> Vec<Difference> {
     let varied: BTreeSet<&str> = keys(there).union(&keys(here)).copied().collect();
@@ -101,18 +105,19 @@ fn on_the_same_keys(there: &Manifest, here: &Manifest) -> Result<Manifest, Vec<S
         };
         *axis = all_values(other, axis).map_err(|line| vec![line])?;
     }
-    let mut points: Vec<Point> = Vec::new();
     // A combination counts before perfect links for comparison only.
-    let all = [here, there].map(|manifest| (manifest, manifest.points.iter()));
-    let mut all: Vec<(&Manifest, &Point)> =
-        all.into_iter().flat_map(|(m, points)| points.map(move |p| (m, p))).collect();
+    let mut all: Vec<(&Manifest, &Point)> = Vec::new();
+    for manifest in [here, there] {
+        all.extend(manifest.points.iter().map(|point| (manifest, point)));
+    }
     all.sort_by_key(|(_, point)| point.is_baseline);
+    let (mut points, mut hashes, mut choices) = (Vec::new(), BTreeSet::new(), BTreeSet::new());
     for (manifest, point) in all {
-        if points.iter().any(|known| known.scenario_hash == point.scenario_hash) {
+        if !hashes.insert(&point.scenario_hash) {
             continue;
         }
         let choice = choice_of(&whole.vary, manifest, point);
-        if points.iter().any(|known| known.choice == choice && !point.is_baseline) {
+        if !choices.insert((point.is_baseline, choice.clone())) && !point.is_baseline {
             let values = point.describe(&manifest.vary);
             return Err(vec![format!("{values}: another mission there than here")]);
         }
@@ -131,7 +136,8 @@ fn covering(large: &Manifest, name: &str, small: &Manifest) -> Result<Manifest, 
             "--vary: {small} and {large}; one must vary all keys of the other"
         )]);
     }
-    let lacks = |point: &&Point| large.point_of(&point.scenario_hash).is_none();
+    let there = hashes(large);
+    let lacks = |point: &&Point| !there.contains(point.scenario_hash.as_str());
     let line = |point: &Point| {
         let values = point.describe(&small.vary);
         format!("{values}: not among the combinations of {} {name}", titles(large))
@@ -228,7 +234,7 @@ mod tests {
         assert_eq!(both.seeds, "1..4");
         let axes: Vec<String> = both.vary.iter().map(Axis::argument).collect();
         assert_eq!(axes, ["b=x,y", "a=1,2,3.0"]);
-        // Nobody asked for a=1 with b=y.
+        // Neither of them asks for a=1 with b=y.
         let choices: Vec<_> = both.points.iter().map(|p| p.describe(&both.vary)).collect();
         assert_eq!(choices, ["b=x, a=1", "b=x, a=2", "b=x, a=3.0", "b=y, a=2", "b=y, a=3.0"]);
     }

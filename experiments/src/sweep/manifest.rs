@@ -1,6 +1,6 @@
 //! `sweep.json`: what belongs to a sweep. Shards, threads and folders are no part of it.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
@@ -139,10 +139,12 @@ impl Manifest {
 
     /// The runs of a part of `asked`, a sweep that this one covers, as runs of this one.
     pub fn runs_of(&self, asked: &Self, shard: Shard) -> Vec<Run> {
-        let points: Vec<Option<usize>> =
-            asked.points.iter().map(|point| self.point_of(&point.scenario_hash)).collect();
+        let ours = self.points.iter().enumerate();
+        let ours: BTreeMap<&str, usize> =
+            ours.map(|(index, point)| (point.scenario_hash.as_str(), index)).collect();
+        let point = |run: &Run| ours.get(asked.points[run.point].scenario_hash.as_str()).copied();
         let runs = asked.runs(shard).into_iter();
-        runs.filter_map(|run| Some(Run { point: points[run.point]?, ..run })).collect()
+        runs.filter_map(|run| Some(Run { point: point(&run)?, ..run })).collect()
     }
 
     /// The name of a run's file, without its ending.

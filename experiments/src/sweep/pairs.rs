@@ -36,16 +36,23 @@ impl Reference {
         let reference = match &manifest.against {
             Some(text) if text == PERFECT => Some(Self::perfect(manifest)),
             Some(text) => Some(Self::value(manifest, text)?),
-            None if manifest.baseline => Some(Self::perfect(manifest)),
-            None if manifest.vary.is_empty() => None,
-            None => Some(Self::along(manifest, 0, 0)),
+            None => {
+                let perfect = manifest.baseline.then(|| Self::perfect(manifest));
+                let first = || (!manifest.vary.is_empty()).then(|| Self::along(manifest, 0, 0));
+                perfect.filter(Self::compares).or_else(first)
+            }
         };
-        match reference.filter(|reference| reference.of.iter().any(Option::is_some)) {
+        match reference.filter(Self::compares) {
             None if manifest.against.is_some() => {
                 Err("no combination has what it would be compared with".to_owned())
             }
             reference => Ok(reference),
         }
+    }
+
+    /// Whether any point has one to be compared with.
+    fn compares(&self) -> bool {
+        self.of.iter().any(Option::is_some)
     }
 
     fn perfect(manifest: &Manifest) -> Self {
@@ -167,6 +174,10 @@ mod tests {
         let links = reference(&["netem.radio.range_m=20,60", "a=1,2"], None).unwrap().unwrap();
         assert_eq!((links.name.as_str(), links.axis), ("perfect links", None));
         assert_eq!(links.of, [Some(4), Some(5), Some(4), Some(5), None, None]);
+        let mut all_perfect = sample(&["a=1,2"], "1");
+        all_perfect.baseline = true;
+        all_perfect.points.iter_mut().for_each(|point| point.perfect = true);
+        assert_eq!(Reference::new(&all_perfect).unwrap().unwrap().of, [None, Some(0)]);
         assert_eq!(reference(&[], None).unwrap(), None);
         assert_eq!(reference(&["a=1"], None).unwrap(), None);
     }

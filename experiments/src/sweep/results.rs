@@ -83,10 +83,17 @@ impl Results {
         counts
     }
 
+    /// The runs of a point.
+    pub fn of(&self, point: usize) -> &[(Run, Option<RunRecord>)] {
+        let start = self.runs.partition_point(|(run, _)| run.point < point);
+        let end = self.runs.partition_point(|(run, _)| run.point <= point);
+        &self.runs[start..end]
+    }
+
     /// The flown runs of a point.
     pub fn flown(&self, point: usize) -> impl Iterator<Item = &RunRecord> {
-        let here = self.runs.iter().filter(move |(run, _)| run.point == point);
-        here.filter_map(|(_, record)| record.as_ref()).filter(|record| record.summary.is_some())
+        let here = self.of(point).iter().filter_map(|(_, record)| record.as_ref());
+        here.filter(|record| record.summary.is_some())
     }
 
     /// The names of all values that some run has, in the order of the alphabet.

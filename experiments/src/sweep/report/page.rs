@@ -157,7 +157,7 @@ fn table(results: &Results) -> String {
                 "<td class=\"left\">as set</td>"
             };
         }
-        let all = results.runs.iter().filter(|(run, _)| run.point == index).count();
+        let all = results.of(index).len();
         let flown = results.flown(index).count();
         let runs = if flown == all { all.to_string() } else { format!("{flown} of {all}") };
         let _ = write!(page, "<td>{runs}</td>");
