@@ -33,8 +33,9 @@ use crate::exchange::inbox::{Inbox, Received};
 use crate::exchange::outbox::{Account, Outbox, Said};
 use crate::exchange::repair::Repair;
 use crate::exchange::validate::Rejection;
+use crate::guidance::airspace::{Airspace, WayOut};
 use crate::guidance::schedule::{Pass, Scheduler};
-use crate::guidance::{Picture, Planner};
+use crate::guidance::{Decision, Picture, Planner};
 use crate::mutant::{Mutant, is_on};
 use crate::sense::{Measured, Sensor};
 
@@ -58,6 +59,12 @@ pub enum Event {
         /// j.
         target: TargetId,
     },
+    /// No increment is known to keep clear of buildings, nor was one before: the UAV flies what keeps
+    /// clear longest of where one may stand. Said when it begins.
+    NoWayOut {
+        /// The step of the decision.
+        step: Step,
+    },
     /// A message or an own frame was dropped, for a reason not yet reported of its sender.
     Rejected {
         /// The agent's step.
@@ -79,6 +86,8 @@ pub struct SetMembershipAgent {
     sensor: Sensor,
     estimator: Estimator,
     planner: Planner,
+    /// Where buildings may be higher than the flights.
+    airspace: Option<Airspace>,
     scheduler: Scheduler,
     knowledge: Arc<Settled>,
     /// Which facts the knowledge contains.
@@ -121,6 +130,7 @@ impl SetMembershipAgent {
             sensor: Sensor::new(config),
             estimator: Estimator::new(config),
             planner: Planner::new(config),
+            airspace: Airspace::new(config),
             scheduler: Scheduler::new(config),
             knowledge: Arc::new(Settled::new(Knowledge::at_start(config), Identity::default())),
             held: Held::new(config),
@@ -343,24 +353,8 @@ impl SetMembershipAgent {
     /// One pass of guidance: plan, announce, and after the last one command the vehicle.
     fn decide(&mut self, pass: Pass) {
         let yaw_rad = self.commanded_yaw_rad.unwrap_or(self.pose.yaw_rad);
-        let decision = info_span!("guidance").in_scope(|| {
-            let coarse = self.knowledge.coarse();
-            let nothing = Raster::empty(self.config.raster_grid());
-            let hidden_to = |id| self.last_facts.get(id).map(|(fact, _)| &fact.hidden);
-            let neighbours_hidden_now: Vec<Option<&Raster>> =
-                pass.neighbours.iter().map(hidden_to).collect();
-            let picture = Picture {
-                wanted: &coarse.wanted,
-                margin: &coarse.margin,
-                hidden_now: self.measured.as_ref().map_or(&nothing, |m| &m.hidden),
-                neighbours_hidden_now: &neighbours_hidden_now,
-                hidden_recent: &coarse.hidden_recently,
-                oem: &self.knowledge.oem,
-                looks: Some(self.knowledge.looks()),
-            };
-            let pose = Pose { yaw_rad, ..self.pose };
-            self.planner.plan(&picture, &pose, &pass.poses)
-        });
+        let (decision, way_out) = info_span!("guidance").in_scope(|| self.plan(&pass, yaw_rad));
+        let turn_rad = decision.increments_rad.first().copied().unwrap_or_default();
         self.planned.clone_from(&decision.poses);
         let plan = Plan { step: pass.step, pass: pass.pass, poses: decision.poses };
         let last = self.scheduler.on_own_plan(&plan);
@@ -368,11 +362,42 @@ impl SetMembershipAgent {
             self.outbox.say_plan(self.now, self.pose, plan);
         }
         if last {
-            let turn_rad = decision.increments_rad.first().copied().unwrap_or_default();
+            let is_lost = self.airspace.as_mut().is_some_and(|air| air.fly(pass.step, way_out));
+            self.events.extend(is_lost.then_some(Event::NoWayOut { step: pass.step }));
             let yaw_rad = yaw_rad + turn_rad;
             self.commanded_yaw_rad = Some(yaw_rad);
             self.commands.push_back(YawCommand { yaw_rad });
         }
+    }
+
+    /// What to fly from the current pose, the heading being the one last commanded, and what can be
+    /// flown behind the first block of it.
+    fn plan(&mut self, pass: &Pass, yaw_rad: f64) -> (Decision, Option<WayOut>) {
+        let pose = Pose { yaw_rad, ..self.pose };
+        let oem = &self.knowledge.oem;
+        let ways = self.airspace.as_ref().map(|air| air.ways(&pose, oem, pass.step));
+        if let Some(ways) = ways.as_ref().filter(|ways| !ways.is_any_safe()) {
+            return (ways.retreat(), ways.behind_retreat());
+        }
+        let coarse = self.knowledge.coarse();
+        let nothing = Raster::empty(self.config.raster_grid());
+        let hidden_to = |id| self.last_facts.get(id).map(|(fact, _)| &fact.hidden);
+        let neighbours_hidden_now: Vec<Option<&Raster>> =
+            pass.neighbours.iter().map(hidden_to).collect();
+        let picture = Picture {
+            wanted: &coarse.wanted,
+            margin: &coarse.margin,
+            hidden_now: self.measured.as_ref().map_or(&nothing, |m| &m.hidden),
+            neighbours_hidden_now: &neighbours_hidden_now,
+            hidden_recent: &coarse.hidden_recently,
+            oem,
+            looks: Some(self.knowledge.looks()),
+            ways: ways.as_ref(),
+        };
+        let decision = self.planner.plan(&picture, &pose, &pass.poses);
+        let first = decision.increments_rad.first();
+        let way_out = first.zip(ways.as_ref()).and_then(|(first, ways)| ways.behind(*first));
+        (decision, way_out)
     }
 }
 
@@ -381,6 +406,9 @@ impl Agent for SetMembershipAgent {
     type Event = Event;
 
     fn handle_frame(&mut self, now: SimTime, frame: &Frame) {
+        if let Some(airspace) = &mut self.airspace {
+            airspace.see(&self.config.camera.at(&frame.pose), frame);
+        }
         self.begin(now, frame.step, frame.pose, |sensor| {
             info_span!("sense").in_scope(|| sensor.measure(frame))
         });

@@ -208,6 +208,18 @@ impl GuidanceConfig {
         let blocks = if self.criterion == Criterion::Str4 { self.str4.n_mpc } else { self.n_mpc };
         usize::from(blocks.max(1))
     }
+
+    /// U, radians, in the order of preference among equals: the gentlest turn first, then as they are
+    /// listed. No increments means straight ahead.
+    pub fn gentlest_first_rad(&self) -> Vec<f64> {
+        let mut increments: Vec<f64> =
+            self.increments_deg.iter().map(|degrees| degrees.to_radians()).collect();
+        if increments.is_empty() {
+            increments.push(0.0);
+        }
+        increments.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        increments
+    }
 }
 
 impl Default for GuidanceConfig {

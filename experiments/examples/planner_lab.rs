@@ -216,6 +216,7 @@ impl Lab {
             hidden_recent: &hidden_recent,
             oem: &self.oem,
             looks: None,
+            ways: None,
         };
         let poses = self.world.poses();
         let mut turns = vec![0.0; poses.len()];

@@ -332,6 +332,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         }
         let targets = self.world.targets();
         let mut found = self.monitor.check(step, &[], targets);
+        found.extend(self.monitor.check_flights(step, &self.world.poses()));
         self.truths.push_back((step, targets.to_vec()));
         if self.truths.len() > MAX_TRUTHS {
             self.truths.pop_front();

@@ -81,6 +81,12 @@ impl Default for TargetsModel {
     }
 }
 
+/// How far UAVs keep from buildings, metres: above those that they fly over, beside all others.
+pub const FLIGHT_CLEARANCE_M: f64 = 2.0;
+
+/// The launch site reaches as far as a UAV flies in this time, seconds.
+const LAUNCH_S: f64 = 10.0;
+
 /// Where a UAV starts, at its own altitude.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -116,6 +122,8 @@ pub struct FleetModel {
     pub start: Vec<StartPose>,
     /// Settling time t_5% of the yaw response, in seconds (thesis figure 5.3).
     pub yaw_settling_s: f64,
+    /// Whether buildings may be higher than the flights, which then go around them.
+    pub avoid_buildings: bool,
 }
 
 impl FleetModel {
@@ -134,6 +142,11 @@ impl FleetModel {
         let own = self.start.get(usize::from(index)).or(self.start.first());
         own.copied().unwrap_or(outside)
     }
+
+    /// How far about its start a UAV has room to turn, metres: there no building reaches the flights.
+    pub fn launch_radius_m(&self) -> f64 {
+        LAUNCH_S * self.speed_m_s
+    }
 }
 
 impl Default for FleetModel {
@@ -147,6 +160,7 @@ impl Default for FleetModel {
             start_offset_m: 10.0,
             start: Vec::new(),
             yaw_settling_s: 1.2,
+            avoid_buildings: false,
         }
     }
 }

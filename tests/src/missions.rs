@@ -1,5 +1,6 @@
 //! Whole missions through the engine, in worlds small enough for many of them.
 
+use csat_agent::agent::Event;
 use csat_agent::config::ExchangeMode;
 use csat_experiments::engine::Engine;
 use csat_experiments::metrics::percent_of;
@@ -51,6 +52,8 @@ pub struct Outcome {
     pub identified: usize,
     /// Messages that got lost.
     pub dropped: u64,
+    /// Times that a UAV began to fly without a way out.
+    pub no_way_out: u64,
 }
 
 impl Outcome {
@@ -76,14 +79,24 @@ pub fn fly(scenario: &Scenario, steps: u32) -> Outcome {
 /// When the scenario has no world.
 pub fn fly_mission(mission: SetMembership, scenario: &Scenario, steps: u32) -> Outcome {
     let world = world_of(scenario).unwrap_or_else(|e| panic!("seed {}: {e}", scenario.seed));
+    fly_in(mission, world, scenario, steps)
+}
+
+/// The same in a world that is made already.
+///
+/// # Panics
+/// When messages were not conserved.
+pub fn fly_in(mission: SetMembership, world: World, scenario: &Scenario, steps: u32) -> Outcome {
     let mut engine = Engine::new(mission.clone(), world, &scenario.netem, scenario.seed);
     let (mut violations, mut inconsistencies, mut sum) = (Vec::new(), 0, 0.0);
-    let mut unexplored_pct = 0.0;
+    let (mut unexplored_pct, mut no_way_out) = (0.0, 0);
     for _ in 0..=steps {
         let trace = engine.step();
         violations.extend(trace.violations.iter().map(|v| format!("{v:?}")));
         inconsistencies +=
             trace.events.iter().filter(|(_, event)| mission.is_inconsistency(event)).count() as u64;
+        let is_lost = |event: &Event| matches!(event, Event::NoWayOut { .. });
+        no_way_out += trace.events.iter().filter(|(_, event)| is_lost(event)).count() as u64;
         let seats = engine.seats();
         let share = |region| percent_of(&scenario.ground(), region);
         let all = seats.iter().map(|s| share(s.agent.knowledge().unexplored.region().area_m2()));
@@ -99,6 +112,7 @@ pub fn fly_mission(mission: SetMembership, scenario: &Scenario, steps: u32) -> O
         mean_unexplored_pct: sum / f64::from(steps + 1),
         identified: engine.seats()[0].agent.knowledge().targets.len(),
         dropped: engine.counters().dropped.values().sum(),
+        no_way_out,
     }
 }
 

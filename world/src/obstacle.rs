@@ -49,6 +49,7 @@ pub struct Walls {
 
 #[derive(Debug, Clone)]
 struct Footprint {
+    height_m: f64,
     bounds: Bounds,
     edges: Vec<[Point; 2]>,
 }
@@ -62,9 +63,20 @@ impl Walls {
     /// The obstacle nearest to `p_world` among those nearer than `reach_m`, and its distance: 0 in
     /// and on a footprint, else to the nearest wall (a courtyard is not part of its building).
     pub fn nearest_within(&self, p_world: [f64; 2], reach_m: f64) -> Option<(usize, f64)> {
+        self.nearest_above(f64::NEG_INFINITY, p_world, reach_m)
+    }
+
+    /// The same among obstacles that are higher than `height_m`.
+    pub fn nearest_above(
+        &self,
+        height_m: f64,
+        p_world: [f64; 2],
+        reach_m: f64,
+    ) -> Option<(usize, f64)> {
         let mut nearest = None;
         let mut reach = reach_m;
-        for (index, footprint) in self.footprints.iter().enumerate() {
+        let high = |(_, footprint): &(usize, &Footprint)| footprint.height_m > height_m;
+        for (index, footprint) in self.footprints.iter().enumerate().filter(high) {
             // The box is only a filter: a hair wider, so that rounding cannot hide a wall.
             if footprint.bounds.grown(reach * (1.0 + 1e-9)).contains(p_world) {
                 let distance = footprint.distance_m(p_world);
@@ -99,7 +111,8 @@ impl Footprint {
             edges.extend((0..ring.len()).map(|i| [ring[i], ring[(i + 1) % ring.len()]]));
         }
         let nowhere = Bounds { min: [f64::INFINITY; 2], max: [f64::NEG_INFINITY; 2] };
-        Self { bounds: Bounds::around(edges.iter().map(|e| e[0])).unwrap_or(nowhere), edges }
+        let bounds = Bounds::around(edges.iter().map(|e| e[0])).unwrap_or(nowhere);
+        Self { height_m: obstacle.height_m, bounds, edges }
     }
 
     fn distance_m(&self, p: Point) -> f64 {

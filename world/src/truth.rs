@@ -1,13 +1,14 @@
 //! The monitor: checks from outside the agents, at every step of every run, that what the theory
 //! promises and what it presumes both hold (`spec/sets.md`, "The guarantee").
 
+use csat_proto::camera::Pose;
 use csat_proto::ids::{AgentId, TargetId};
-use csat_proto::model::{Ground, TargetsModel};
+use csat_proto::model::{FLIGHT_CLEARANCE_M, Ground, TargetsModel};
 use csat_proto::time::Step;
 use serde::Serialize;
 
 use crate::obstacle::{Obstacle, Walls};
-use crate::plane::distance_m;
+use crate::plane::{between, distance_m};
 use crate::target::TargetTruth;
 
 /// ε of the guarantee, metres.
@@ -15,6 +16,9 @@ pub const GUARANTEE_TOLERANCE_M: f64 = 1e-3;
 
 /// Allowance for rounding in speeds, metres per check.
 const SPEED_TOLERANCE_M: f64 = 1e-9;
+
+/// Ways of UAVs are checked point by point, metres.
+const WAY_STEP_M: f64 = 0.5;
 
 /// What an agent knows, as far as the guarantee goes.
 pub trait Knowledge {
@@ -98,6 +102,17 @@ pub enum Fault {
         /// How far it may have moved.
         limit_m: f64,
     },
+    /// A UAV is in a building, or too near to one that reaches its altitude less the clearance.
+    BuildingDistance {
+        /// Its agent.
+        agent: AgentId,
+        /// Index of the obstacle.
+        obstacle: usize,
+        /// How far it is, over the ground; 0 inside.
+        distance_m: f64,
+        /// What it must not fall below.
+        limit_m: f64,
+    },
     /// Messages appeared or disappeared.
     MessageConservation {
         /// The counts that do not add up.
@@ -127,6 +142,8 @@ pub struct ViolationCounts {
     pub outside_region: u64,
     /// [`Fault::Speed`].
     pub speed: u64,
+    /// [`Fault::BuildingDistance`].
+    pub building_distance: u64,
     /// [`Fault::MessageConservation`].
     pub message_conservation: u64,
 }
@@ -139,6 +156,7 @@ impl ViolationCounts {
             + self.target_distance
             + self.outside_region
             + self.speed
+            + self.building_distance
             + self.message_conservation
     }
 
@@ -149,6 +167,7 @@ impl ViolationCounts {
             Fault::TargetDistance { .. } => &mut self.target_distance,
             Fault::OutsideRegion { .. } => &mut self.outside_region,
             Fault::Speed { .. } => &mut self.speed,
+            Fault::BuildingDistance { .. } => &mut self.building_distance,
             Fault::MessageConservation { .. } => &mut self.message_conservation,
         } += 1;
     }
@@ -163,6 +182,8 @@ pub struct Monitor {
     walls: Walls,
     /// The last step checked, and every target then.
     previous: Option<(Step, Vec<TargetTruth>)>,
+    /// Where every UAV was when that was last checked.
+    flown_from: Vec<Pose>,
     counts: ViolationCounts,
 }
 
@@ -171,7 +192,7 @@ impl Monitor {
     pub fn new(ground: Ground, model: TargetsModel, period_s: f64, obstacles: &[Obstacle]) -> Self {
         let walls = Walls::new(obstacles);
         let counts = ViolationCounts::default();
-        Self { ground, model, period_s, walls, previous: None, counts }
+        Self { ground, model, period_s, walls, previous: None, flown_from: Vec::new(), counts }
     }
 
     /// Checks step k: the separations, the region and the speeds of all targets, and that every
@@ -219,6 +240,39 @@ impl Monitor {
             .filter(|target| !admits(target))
             .map(|target| Fault::Guarantee { agent, target: target.id, location: target.location });
         self.record(step, faults.collect())
+    }
+
+    /// Checks that no UAV is nearer to a building than [`FLIGHT_CLEARANCE_M`], over it or beside it, and
+    /// none was on the straight way from where it was at the last check. `poses` by agent.
+    pub fn check_flights(&mut self, step: Step, poses: &[Pose]) -> Vec<Violation> {
+        let mut faults = Vec::new();
+        for (index, pose) in poses.iter().enumerate() {
+            let from = self.flown_from.get(index).unwrap_or(pose);
+            let nearest = self.nearest_on_way(from, pose);
+            faults.extend(nearest.map(|(obstacle, distance_m)| Fault::BuildingDistance {
+                agent: AgentId(index as u16),
+                obstacle,
+                distance_m,
+                limit_m: FLIGHT_CLEARANCE_M,
+            }));
+        }
+        self.flown_from = poses.to_vec();
+        self.record(step, faults)
+    }
+
+    /// The obstacle that a UAV comes nearest to, too near, on its way between two poses, and its
+    /// distance.
+    fn nearest_on_way(&self, from: &Pose, to: &Pose) -> Option<(usize, f64)> {
+        let [a, b] = [from, to].map(|pose| [pose.p_world[0], pose.p_world[1]]);
+        let floor_m = from.p_world[2].min(to.p_world[2]) - FLIGHT_CLEARANCE_M;
+        // A way of any length costs no more than this.
+        let parts = (distance_m(a, b) / WAY_STEP_M).ceil().clamp(1.0, 100.0);
+        (0..=parts as u32)
+            .filter_map(|i| {
+                let p = between(a, b, f64::from(i) / parts);
+                self.walls.nearest_above(floor_m, p, FLIGHT_CLEARANCE_M)
+            })
+            .min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Checks that no message appeared or disappeared.

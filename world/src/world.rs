@@ -15,6 +15,7 @@ use crate::truth::Monitor;
 use crate::uav::{Quadcopter, Vehicle, YawCommand};
 
 mod check;
+mod launch;
 pub mod stations;
 #[cfg(test)]
 mod tests;
@@ -63,8 +64,12 @@ impl Default for WorldConfig {
 impl WorldConfig {
     /// What the cars and the UAVs demand of the town.
     pub fn map_rules(&self) -> MapRules {
+        let lowest_altitude_m = match self.fleet.avoid_buildings {
+            true => f64::INFINITY,
+            false => lowest_altitude_m(&self.fleet),
+        };
         MapRules {
-            lowest_altitude_m: lowest_altitude_m(&self.fleet),
+            lowest_altitude_m,
             road_clearance_m: road_clearance_m(&self.targets),
         }
     }
@@ -222,7 +227,7 @@ impl World {
         seed: u64,
     ) -> Result<Self, WorldErrors> {
         let mut errors = mistakes(config);
-        let map = match map {
+        let mut map = match map {
             Ok(map) if errors.is_empty() => map,
             Ok(map) => return Err(WorldErrors { errors, map_warnings: map.warnings }),
             Err(more) => {
@@ -247,11 +252,15 @@ impl World {
             Ok(cars) => cars,
             Err(errors) => return Err(WorldErrors { errors, map_warnings: map.warnings }),
         };
-        let prisms = (0..).zip(&map.obstacles).map(|(i, o)| o.prism(i)).collect();
-        let vehicles = (0..config.fleet.count)
+        let vehicles: Vec<Box<dyn Vehicle>> = (0..config.fleet.count)
             .map(|i| Quadcopter::at_start(&config.fleet, &map.ground, i))
             .map(|q| Box::new(q) as Box<dyn Vehicle>)
             .collect();
+        if config.fleet.avoid_buildings {
+            let starts: Vec<Pose> = vehicles.iter().map(|v| v.pose()).collect();
+            launch::clear(&mut map, &config.fleet, &starts);
+        }
+        let prisms = (0..).zip(&map.obstacles).map(|(i, o)| o.prism(i)).collect();
         let config = config.clone();
         Ok(Self { config, map, prisms, walls, roads, cars, vehicles, step: Step(0) })
     }

@@ -17,7 +17,7 @@ use super::first_looks::FirstLooks;
 use super::rollout::{Meeting, Motion};
 use super::turning::Turning;
 use super::views::{Place, Views};
-use super::{Decision, Picture};
+use super::{Block, Decision, Picture};
 use crate::config::AgentConfig;
 
 /// Cells of the search, metres, unless the sets it is given are coarser.
@@ -96,7 +96,10 @@ impl Beam {
         for (block, mut kept) in self.seen_by_others(pose, neighbours).into_iter().enumerate() {
             kept.union_with(&margin);
             self.pass_block(&mut sets, &kept, self.spread_m(block));
-            let children = self.children(&beams[block], &sets);
+            let mut children = self.children(picture, &beams[block], &sets, Block::at(block));
+            if children.is_empty() {
+                children = self.children(picture, &beams[block], &sets, Block::Hopeless);
+            }
             nodes += children.len() as u32;
             let best = self.best(children);
             sets = best.iter().map(|child| self.after_look(child, &sets[child.parent])).collect();
@@ -154,11 +157,18 @@ impl Beam {
     }
 
     /// All that `beam` may do in the next block, when X^Δ is in `sets` but for the own look.
-    fn children(&mut self, beam: &[Candidate], sets: &[Raster]) -> Vec<Candidate> {
+    fn children(
+        &mut self,
+        picture: &Picture<'_>,
+        beam: &[Candidate],
+        sets: &[Raster],
+        block: Block,
+    ) -> Vec<Candidate> {
         let mut children = Vec::with_capacity(beam.len() * self.increments.len());
         for (parent, (candidate, set)) in beam.iter().zip(sets).enumerate() {
             let cost = candidate.cost + i64::from(set.count());
-            for (choice, &increment_rad) in self.increments.iter().enumerate() {
+            let choices = picture.choices(&self.increments, &candidate.pose, block);
+            for (choice, increment_rad) in choices {
                 let pose = self.turning.advance(&candidate.pose, choice);
                 let place = Place::of(&pose, &self.grid);
                 let seen = i64::from(self.views.look(place).count_in(set));

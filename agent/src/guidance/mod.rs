@@ -2,6 +2,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | [`airspace`] | which increments may be flown where buildings are higher than the flights |
 //! | `footprint` | F(x^u) ∩ X_g, a run of cells per row |
 //! | `shadow` | H^OEM(x^u), what the boxes of the OEM would hide |
 //! | [`criterion`] | what a criterion counts as seen, and its cost |
@@ -27,6 +28,7 @@ use csat_proto::raster::{Grid, Raster};
 use crate::config::{AgentConfig, Criterion};
 use crate::estimate::oem::Oem;
 
+pub mod airspace;
 mod beam;
 pub mod criterion;
 mod first_looks;
@@ -43,6 +45,7 @@ mod turning;
 mod views;
 mod viewshed;
 
+use airspace::Ways;
 use beam::Beam;
 use criterion::{Sight, Terms, Weights};
 pub use looks::Looks;
@@ -69,6 +72,39 @@ pub struct Picture<'a> {
     pub oem: &'a Oem,
     /// What was seen so far of `wanted` in the world of `oem`, by whomever; `str1` to `str3`.
     pub looks: Option<&'a Looks>,
+    /// Which increments may be flown, at least one; `None` where buildings are below the flights.
+    pub ways: Option<&'a Ways<'a>>,
+}
+
+/// Which block of a candidate is chosen for, where buildings are higher than the flights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Block {
+    /// The one that is flown: it has to be safe.
+    First,
+    /// A later one, which keeps off what is known to stand in the way.
+    Later,
+    /// A later one where nothing else is left: it flies on, whatever stands there.
+    Hopeless,
+}
+
+impl Block {
+    /// That of this number.
+    fn at(block: usize) -> Self {
+        if block == 0 { Self::First } else { Self::Later }
+    }
+}
+
+impl Picture<'_> {
+    /// The increments of `increments` that may be flown in a block from `pose` on.
+    fn choices(&self, increments: &[f64], pose: &Pose, block: Block) -> Vec<(usize, f64)> {
+        let may_fly = |ways: &Ways<'_>, increment: f64| match block {
+            Block::First => ways.is_safe(increment),
+            Block::Later => ways.is_open(pose, increment),
+            Block::Hopeless => true,
+        };
+        let all = increments.iter().copied().enumerate();
+        all.filter(|(_, increment)| self.ways.is_none_or(|w| may_fly(w, *increment))).collect()
+    }
 }
 
 /// What to fly, and why.
@@ -119,13 +155,7 @@ impl Planner {
     /// means 1.
     pub fn new(config: &AgentConfig) -> Self {
         let (grid, guidance) = (config.raster_grid(), &config.guidance);
-        let mut increments: Vec<f64> =
-            guidance.increments_deg.iter().map(|degrees| degrees.to_radians()).collect();
-        if increments.is_empty() {
-            increments.push(0.0);
-        }
-        // Among equals the gentlest turn wins, then the first in the list: the sort is stable.
-        increments.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let increments = guidance.gentlest_first_rad();
         let blocks = guidance.blocks();
         let method = match Route::new(config, &increments) {
             Some(route) => Method::Route(route),
@@ -162,7 +192,7 @@ impl Planner {
         match &mut self.method {
             Method::Tree => self.search_tree(picture, pose, neighbours),
             Method::Beam(beam) => beam.plan(picture, pose, neighbours),
-            Method::Route(route) => route.plan(pose),
+            Method::Route(route) => route.plan(picture, pose),
         }
     }
 
@@ -193,14 +223,18 @@ impl Planner {
                 seen_by_others: &self.seen_by_others,
                 hidden_recent: picture.hidden_recent,
             },
-            hidden_now: picture.hidden_now,
-            oem: picture.oem,
+            picture,
             looks,
+            later: Block::Later,
             trail: Vec::with_capacity(self.levels.len()),
             best: None,
             nodes: 0,
         };
         search.descend(&mut self.levels, pose);
+        if search.best.is_none() {
+            search.later = Block::Hopeless;
+            search.descend(&mut self.levels, pose);
+        }
         let nodes = search.nodes;
         let (cost, terms, choices) =
             search.best.map_or_else(Default::default, |best| (best.cost, best.terms, best.choices));

@@ -4,15 +4,17 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use csat_proto::camera::Pose;
 
-use super::Decision;
 use super::criterion::Terms;
 use super::rollout::Motion;
+use super::{Block, Decision, Picture};
 use crate::config::{AgentConfig, Criterion};
 
 /// Lanes are at most this far apart, metres: less than a footprint is wide.
 const LANE_M: f64 = 100.0;
 /// Circles keep this far from the border, metres: the camera looks outward, far ahead.
 const BORDER_M: f64 = 160.0;
+/// A waypoint in a building is reached from so many times as far.
+const BUILT_CAPTURES: f64 = 4.0;
 /// A smaller increment is no turn, radians.
 const LEAST_TURN_RAD: f64 = 0.1;
 
@@ -55,33 +57,41 @@ impl Route {
     }
 
     /// The next blocks along the course. Only the waypoint that is flown to is remembered.
-    pub(super) fn plan(&mut self, pose: &Pose) -> Decision {
-        self.course.pass(pose, self.capture_m);
+    pub(super) fn plan(&mut self, picture: &Picture<'_>, pose: &Pose) -> Decision {
+        self.course.pass(picture, pose, self.capture_m);
         let mut ahead = self.course.clone();
         let (mut increments_rad, mut poses, mut pose) = (Vec::new(), Vec::new(), *pose);
-        for _ in 0..self.blocks {
-            ahead.pass(&pose, self.capture_m);
-            let increment_rad = self.nearest(ahead.heading_rad(&pose) - pose.yaw_rad);
+        for block in 0..self.blocks {
+            ahead.pass(picture, &pose, self.capture_m);
+            let turn_rad = ahead.heading_rad(&pose) - pose.yaw_rad;
+            let mut choices = picture.choices(&self.increments, &pose, Block::at(block));
+            if choices.is_empty() {
+                choices = picture.choices(&self.increments, &pose, Block::Hopeless);
+            }
+            let increment_rad = nearest(&choices, turn_rad);
             pose = self.motion.advance(&pose, increment_rad);
             increments_rad.push(increment_rad);
             poses.push(pose);
         }
         Decision { increments_rad, poses, cost: 0.0, terms: Terms::default(), nodes: 0 }
     }
+}
 
-    /// The increment nearest to a turn.
-    fn nearest(&self, turn_rad: f64) -> f64 {
-        let gap = |u: &f64| ((turn_rad - u + PI).rem_euclid(TAU) - PI).abs();
-        let nearest = self.increments.iter().min_by(|a, b| gap(a).total_cmp(&gap(b)));
-        nearest.copied().unwrap_or_default()
-    }
+/// The increment nearest to a turn.
+fn nearest(choices: &[(usize, f64)], turn_rad: f64) -> f64 {
+    let gap = |u: f64| ((turn_rad - u + PI).rem_euclid(TAU) - PI).abs();
+    let increments = choices.iter().map(|(_, increment)| *increment);
+    increments.min_by(|a, b| gap(*a).total_cmp(&gap(*b))).unwrap_or_default()
 }
 
 impl Course {
-    /// Goes on to the next waypoint if `pose` is within `capture_m` of this one.
-    fn pass(&mut self, pose: &Pose, capture_m: f64) {
+    /// Goes on to the next waypoint if `pose` is within `capture_m` of this one, or farther away if a
+    /// building stands there.
+    fn pass(&mut self, picture: &Picture<'_>, pose: &Pose, capture_m: f64) {
         if let Self::Lanes { waypoints, next } = self {
             let [x, y] = waypoints[*next];
+            let is_built = picture.ways.is_some_and(|ways| ways.is_built([x, y]));
+            let capture_m = if is_built { BUILT_CAPTURES * capture_m } else { capture_m };
             if (x - pose.p_world[0]).hypot(y - pose.p_world[1]) < capture_m {
                 *next = (*next + 1) % waypoints.len();
             }

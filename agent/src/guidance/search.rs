@@ -7,7 +7,7 @@ use super::criterion::{Sight, Terms, Weights};
 use super::looks::Looks;
 use super::rollout::{Level, Motion, Surroundings};
 use super::views::View;
-use crate::estimate::oem::Oem;
+use super::{Block, Picture};
 
 /// A block of a candidate: its yaw increment, radians, and the pose at its end.
 pub(super) type Choice = (f64, Pose);
@@ -28,10 +28,11 @@ pub(super) struct Search<'a> {
     /// U, radians, in the order of preference among equals.
     pub(super) increments: &'a [f64],
     pub(super) around: Surroundings<'a>,
-    pub(super) hidden_now: &'a Raster,
-    pub(super) oem: &'a Oem,
-    /// Those in the world of `oem`, and what X^Δ may grow to.
+    pub(super) picture: &'a Picture<'a>,
+    /// Those in the world of the OEM, and what X^Δ may grow to.
     pub(super) looks: (&'a Looks, &'a Raster),
+    /// How blocks after the first are chosen.
+    pub(super) later: Block,
     /// The choices from the root to the current node.
     pub(super) trail: Vec<Choice>,
     pub(super) best: Option<Best>,
@@ -45,9 +46,10 @@ impl Search<'_> {
     pub(super) fn descend(&mut self, levels: &mut [Level], pose: &Pose) {
         let Some((level, deeper)) = levels.split_first_mut() else { return };
         level.pass_block(self.trail.len(), &self.around);
-        for &increment_rad in self.increments {
+        let block = if self.trail.is_empty() { Block::First } else { self.later };
+        for (_, increment_rad) in self.picture.choices(self.increments, pose, block) {
             let next = self.motion.advance(pose, increment_rad);
-            let seen = self.sight.look(&next, Some(self.hidden_now), self.looks);
+            let seen = self.sight.look(&next, Some(self.picture.hidden_now), self.looks);
             self.nodes += 1;
             self.trail.push((increment_rad, next));
             match deeper.first_mut() {
@@ -78,7 +80,7 @@ impl Search<'_> {
             return;
         }
         terms.distance_m =
-            self.sight.distance_m(&level.base, seen, self.hidden_now, self.oem, pose);
+            self.sight.distance_m(&level.base, seen, self.picture.hidden_now, self.picture.oem, pose);
         let cost = self.weights.cost(&terms);
         if cost < best_cost {
             self.best = Some(Best { cost, terms, choices: self.trail.clone() });

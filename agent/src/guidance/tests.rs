@@ -62,6 +62,7 @@ impl Scene {
             hidden_recent: &self.hidden_recent,
             oem: &self.oem,
             looks: None,
+            ways: None,
         }
     }
 

@@ -15,9 +15,9 @@ const STEP_S: f64 = 0.05;
 /// The motion of a UAV that flew straight before, block by block.
 #[derive(Debug, Clone)]
 pub(super) struct Turning {
-    /// By increment: how far it turns, radians, and where the block ends, metres ahead and to the left
-    /// of where it began.
-    turns: Vec<(f64, [f64; 2])>,
+    /// By increment: how far it turns, radians, and its way through the block, step by step, metres
+    /// ahead and to the left of where it began.
+    turns: Vec<(f64, Vec<[f64; 2]>)>,
 }
 
 impl Turning {
@@ -34,20 +34,43 @@ impl Turning {
         let step_m = config.fleet.speed_m_s * config.guidance.period_s / f64::from(steps);
         let way = |&turn_rad: &f64| {
             let times_s = (0..steps).map(|i| (f64::from(i) + 0.5) * STEP_S);
-            let end = times_s.fold([0.0, 0.0], |[ahead, left], t_s| {
+            let way = times_s.scan([0.0, 0.0], |[ahead, left], t_s| {
                 let (sin, cos) = (turn_rad * share(t_s)).sin_cos();
-                [ahead + step_m * cos, left + step_m * sin]
+                (*ahead, *left) = (*ahead + step_m * cos, *left + step_m * sin);
+                Some([*ahead, *left])
             });
-            (turn_rad, end)
+            (turn_rad, way.collect())
         };
         Self { turns: increments.iter().map(way).collect() }
     }
 
     /// The pose one block after `pose` with the yaw increment of that index, settled again. Level.
     pub(super) fn advance(&self, pose: &Pose, increment: usize) -> Pose {
-        let (turn_rad, [ahead, left]) = self.turns[increment];
-        let ([x, y, z], (sin, cos)) = (pose.p_world, pose.yaw_rad.sin_cos());
-        let p_world = [x + ahead * cos - left * sin, y + ahead * sin + left * cos, z];
-        Pose::level(p_world, pose.yaw_rad + turn_rad)
+        let [x, y] = self.way(pose, increment).next_back().unwrap_or([pose.p_world[0], pose.p_world[1]]);
+        Pose::level([x, y, pose.p_world[2]], pose.yaw_rad + self.turns[increment].0)
+    }
+
+    /// Where that block leads, step by step, `world`, metres.
+    pub(super) fn way<'a>(
+        &'a self,
+        pose: &Pose,
+        increment: usize,
+    ) -> impl DoubleEndedIterator<Item = [f64; 2]> + use<'a> {
+        let ([x, y, _], (sin, cos)) = (pose.p_world, pose.yaw_rad.sin_cos());
+        let steps = self.turns[increment].1.iter();
+        steps.map(move |[ahead, left]| [x + ahead * cos - left * sin, y + ahead * sin + left * cos])
+    }
+
+    /// How far a way may be off, metres per turn, because the turn before is not quite over when the
+    /// block begins: what is left of it then, at most √2·e^{-ζωT} of a turn, decays with ζω.
+    pub(super) fn doubt_m(config: &AgentConfig, turn_rad: f64) -> f64 {
+        let rate = DAMPING * SETTLING / config.fleet.yaw_settling_s;
+        let left_rad = std::f64::consts::SQRT_2 * turn_rad.abs() * (-rate * config.guidance.period_s).exp();
+        config.fleet.speed_m_s * left_rad / rate
+    }
+
+    /// The longest step of a way, metres.
+    pub(super) fn step_m(config: &AgentConfig) -> f64 {
+        config.fleet.speed_m_s * STEP_S
     }
 }

@@ -61,6 +61,7 @@ fn decide(planner: &mut Planner, moment: &Moment, passes: usize) -> Option<Decis
         hidden_recent: &coarse.hidden_recently,
         oem: &knowledge.oem,
         looks: Some(&looks),
+        ways: None,
     };
     let pass = |_| planner.plan(&picture, &moment.frame.pose, &moment.plans);
     (0..passes).map(pass).last()

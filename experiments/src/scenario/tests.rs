@@ -562,3 +562,21 @@ fn a_wrong_number_for_loss_is_underlined() {
         );
     }
 }
+
+/// Buildings as high as the flights are a mistake, unless UAVs fly around them; then they need a turn for
+/// which there is room.
+#[test]
+fn buildings_may_be_higher_than_flights_that_go_around_them() {
+    let load = |sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        load(Request { sets: &sets, ..Request::default() })
+    };
+    let high = ["map.min_height_m=20", "map.max_height_m=120"];
+    assert!(load(&high).unwrap_err().to_string().contains("all UAVs above the highest building"));
+    let around = [&high[..], &["agents.avoid_buildings=true"]].concat();
+    let loaded = load(&around).unwrap();
+    assert!(loaded.world.obstacles().iter().any(|o| o.height_m > 100.0));
+    let gentle = [&around[..], &["guidance.increments_deg=[-20, 0, 20]"]].concat();
+    let error = load(&gentle).unwrap_err().to_string();
+    assert!(error.contains("a turn in which a UAV needs at most 50 m"), "{error}");
+}

@@ -7,6 +7,7 @@ mod exchange;
 use std::ops::RangeInclusive;
 
 use csat_agent::config::{EstimatorConfig, GuidanceConfig};
+use csat_agent::guidance::airspace::turning_room_m;
 use csat_proto::camera::CameraModel;
 use csat_proto::model::{Driving, FleetModel, StartPose, TargetsModel};
 use csat_world::map::MapKind;
@@ -14,6 +15,7 @@ use csat_world::map::MapKind;
 use super::camera_check::car_coverage;
 use super::mistake::Mistake;
 use super::{RunConfig, Scenario};
+use crate::set_membership::agent_config;
 use crate::show::documents::micro;
 
 /// A value that cannot be.
@@ -72,6 +74,9 @@ pub fn validate(scenario: &Scenario) -> Vec<Issue> {
     camera(&mut check, scenario, is_fleet);
     estimator(&mut check, &scenario.estimator, scenario.map.size_m);
     guidance(&mut check, &scenario.guidance, period_s);
+    if check.0.is_empty() && scenario.agents.avoid_buildings {
+        room_to_turn(&mut check, scenario);
+    }
     exchange::judge(&mut check, &scenario.exchange, &scenario.netem, period_s);
     for (key, what) in scenario.netem.mistakes(scenario.agent_count()) {
         let key = format!("netem.{key}");
@@ -218,6 +223,10 @@ fn fleet(check: &mut Check, scenario: &Scenario) -> bool {
         }
         _ => ("targets.cylinder_height_m", scenario.targets.cylinder_height_m, "a car"),
     };
+    let (key, floor, what) = match fleet.avoid_buildings {
+        true => ("targets.cylinder_height_m", scenario.targets.cylinder_height_m, "a car"),
+        false => (key, floor, what),
+    };
     let lowest = altitudes(fleet)[0];
     check.that(
         lowest > floor && lowest.is_finite(),
@@ -259,6 +268,27 @@ fn start(check: &mut Check, fleet: &FleetModel, size_m: [f64; 2]) {
             check.0.push(Issue { keys: with_ancestors(&key), mistake, is_warning: false });
         }
     }
+}
+
+/// Who flies around buildings turns back in the launch site, if need be.
+fn room_to_turn(check: &mut Check, scenario: &Scenario) {
+    let room_m = turning_room_m(&agent_config(scenario));
+    let radius_m = scenario.agents.launch_radius_m();
+    let increments = &scenario.guidance.increments_deg;
+    check.that(
+        room_m <= radius_m,
+        &[
+            "guidance.increments_deg",
+            "guidance.period_s",
+            "agents.avoid_buildings",
+            "agents.yaw_settling_s",
+        ],
+        &format!("{increments:?} with agents.avoid_buildings"),
+        &format!(
+            "a turn in which a UAV needs at most {radius_m} m, the room where it starts; the \
+             sharpest needs {room_m:.1} m"
+        ),
+    );
 }
 
 /// The lowest and the highest altitude.

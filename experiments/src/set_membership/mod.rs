@@ -29,27 +29,31 @@ pub struct SetMembership {
 impl SetMembership {
     /// The mission that `scenario` describes.
     pub fn new(scenario: &Scenario) -> Self {
-        let config = AgentConfig {
-            run: RunId(scenario.seed),
-            id: AgentId(0),
-            incarnation: Incarnation(0),
-            period_s: scenario.run.period_s,
-            ground: scenario.ground(),
-            targets: scenario.targets.clone(),
-            fleet: scenario.agents.clone(),
-            stations: scenario.agent_count() - scenario.agents.count,
-            camera: scenario.camera,
-            estimator: scenario.estimator,
-            guidance: scenario.guidance.clone(),
-            exchange: scenario.exchange.clone(),
-            channels: scenario.channels(),
-        };
-        Self { config, commons: Some(Commons::default()) }
+        Self { config: agent_config(scenario), commons: Some(Commons::default()) }
     }
 
     /// The same with agents that share no work: the results are the same, too.
     pub fn each_by_itself(self) -> Self {
         Self { commons: None, ..self }
+    }
+}
+
+/// What the first agent of a scenario is told.
+pub fn agent_config(scenario: &Scenario) -> AgentConfig {
+    AgentConfig {
+        run: RunId(scenario.seed),
+        id: AgentId(0),
+        incarnation: Incarnation(0),
+        period_s: scenario.run.period_s,
+        ground: scenario.ground(),
+        targets: scenario.targets.clone(),
+        fleet: scenario.agents.clone(),
+        stations: scenario.agent_count() - scenario.agents.count,
+        camera: scenario.camera,
+        estimator: scenario.estimator,
+        guidance: scenario.guidance.clone(),
+        exchange: scenario.exchange.clone(),
+        channels: scenario.channels(),
     }
 }
 

@@ -108,7 +108,7 @@ fn add_splits(edge: &ImageEdge, other: &ImageEdge, splits: &mut Vec<f64>) {
     }
 }
 
-/// Whether the segment from `centre` (above the roof) to `point` gets deeper than [`CLEARANCE_M`]
+/// Whether the segment from `centre` (outside the prism) to `point` gets deeper than [`CLEARANCE_M`]
 /// into the prism; `crossings` is scratch space.
 pub(super) fn pierces(
     prism: &Prism,
@@ -116,14 +116,9 @@ pub(super) fn pierces(
     point: &Vector3<f64>,
     crossings: &mut Vec<f64>,
 ) -> bool {
-    // Below the roof from this parameter on.
-    let enter = (centre.z - prism.height_m) / (centre.z - point.z);
-    if !(0.0..1.0).contains(&enter) {
-        return false;
-    }
-    let from = centre + (point - centre) * enter;
+    let Some([from, to]) = below(prism.height_m, centre, point) else { return false };
     let start = [from.x, from.y];
-    let d = [point.x - from.x, point.y - from.y];
+    let d = [to.x - from.x, to.y - from.y];
     crossings.clear();
     crossings.push(0.0);
     for ring in &prism.rings {
@@ -147,10 +142,25 @@ pub(super) fn pierces(
     crossings.sort_unstable_by(f64::total_cmp);
     crossings.windows(2).any(|pair| {
         let t = 0.5 * (pair[0] + pair[1]);
-        let z = from.z + t * (point.z - from.z);
+        let z = from.z + t * (to.z - from.z);
         z < prism.height_m - CLEARANCE_M
             && is_deep_inside(prism, [start[0] + t * d[0], start[1] + t * d[1]])
     })
+}
+
+/// The ends of the part of the segment from `centre` to `point` that is below a height, metres.
+fn below(
+    height_m: f64,
+    centre: &Vector3<f64>,
+    point: &Vector3<f64>,
+) -> Option<[Vector3<f64>; 2]> {
+    let crossing = || centre + (point - centre) * ((centre.z - height_m) / (centre.z - point.z));
+    match (centre.z < height_m, point.z < height_m) {
+        (true, true) => Some([*centre, *point]),
+        (true, false) => Some([*centre, crossing()]),
+        (false, true) => Some([crossing(), *point]),
+        (false, false) => None,
+    }
 }
 
 /// Whether a point is in the footprint and farther than [`CLEARANCE_M`] from its border.

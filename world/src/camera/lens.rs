@@ -106,8 +106,8 @@ impl Lens {
         }
     }
 
-    /// Sets `near_m` for a camera that is `clearance_m` above every top in view: a point in view is
-    /// at least that far below, and at most |ray| times its z away.
+    /// Sets `near_m` for a camera that is `clearance_m` above or beside every prism in view: a point in
+    /// view is at least that far away, and at most |ray| times its z.
     pub fn set_clearance(&mut self, clearance_m: f64) {
         let longest = self.ray_norm_squared(-Self::RIM_PX, -Self::RIM_PX).sqrt();
         self.near_m = 0.5 * clearance_m / longest;

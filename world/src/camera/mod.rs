@@ -13,15 +13,17 @@
 //! every ray through Q meets the ground, one and the same obstacle, or one and the same target
 //! first, at a distance of at most d_max.
 //!
-//! Every prism is a closed polyhedron standing on the plane z = 0, the camera is above all tops, so
-//! roofs face the camera, floors never do, and the sky is met by rays at or above the horizon only.
-//! Call *contour* of a prism all edges between a face that faces the camera and one that does not:
+//! Every prism is a closed polyhedron standing on the plane z = 0, and the camera is above the ground
+//! and outside all prisms: above a roof, or beside what is higher. Floors never face the camera, roofs
+//! do when they are below it, and the sky is met by rays at or above the horizon only. Call *contour*
+//! of a prism all edges between a face that faces the camera and one that does not:
 //!
 //! - the base edge of a wall that faces the camera (wall | floor),
-//! - the roof edge of a wall that faces away (roof | wall),
+//! - the roof edge of a wall if one of roof and wall faces the camera and the other does not: below the
+//!   camera of the walls that face away, above it of those that face the camera,
 //! - the vertical edge between a wall that faces the camera and one that does not.
 //!
-//! A wall whose plane contains the camera (within 1 µm) is treated as facing both ways: all its
+//! A face whose plane contains the camera (within 1 µm) is treated as facing both ways: all its
 //! edges are contour. The image of the prism's own outline is made of contour edges, and so is
 //! every line where the prism's nearest surface jumps to a farther one.
 //!
@@ -34,9 +36,10 @@
 //! having a contour, their order along the rays is constant: G can only come to lie in front of F
 //! where its nearest surface begins or jumps, at a contour point of G that is at or before F:
 //! visible as well. Where solids touch, the common wall faces the camera for one of them and away
-//! for the other, so one of them has its roof edge and the other its base edge there, and a contour
-//! point that merely touches another solid counts as visible. The ground is behind everything: it
-//! needs no case. ∎
+//! for the other: of two roofs below the camera one has its roof edge and the other its base edge
+//! there, and over a roof above the camera only its front edge leads to the other; a contour point that
+//! merely touches another solid counts as visible. Ground and sky are behind everything: they need no
+//! case. ∎
 //!
 //! So it suffices to know the winner at the centre of each pixel (`depth`, exact up to rounding,
 //! and roundings matter only within ~1e-9 px of a contour), to know exactly which parts of which
@@ -57,8 +60,8 @@
 //! not tested at all; on the others every face that takes part in a pixel is tested: the one at the
 //! centre, and both sides of each crease (edge between two faces that face the camera) that touches
 //! the pixel. As no contour runs through a labelled pixel, there is no other way to reach a face.
-//! Prisms that are entirely beyond d_max are dropped: a ray that meets one would meet the ground
-//! even farther away.
+//! Prisms that are entirely beyond d_max are dropped: behind one, a ray would meet the ground even
+//! farther away, or the sky.
 //!
 //! # What is needlessly Unknown
 //!
@@ -88,5 +91,6 @@ pub const CONTOUR_MARGIN_PX: f64 = 1e-5;
 /// A prism hides a point only if the segment from the camera gets this deep into it, metres.
 pub const CLEARANCE_M: f64 = 1e-7;
 
-/// A camera less than this above the top of a prism in view reports Unknown everywhere, metres.
+/// A camera nearer than this to a prism in view, above its top or beside its walls, reports Unknown
+/// everywhere, metres.
 pub const MIN_CLEARANCE_M: f64 = 1e-3;

@@ -7,9 +7,11 @@ use nalgebra::Vector3;
 use super::MIN_CLEARANCE_M;
 use super::depth::DepthBuffer;
 use super::lens::{ImageBox, ImageEdge, Lens, Vertex};
+use crate::obstacle::contains;
+use crate::plane::distance_to_segment_m;
 use crate::scene::{Entity, Prism, Scene};
 
-/// A wall whose plane is this close to the camera is seen edge-on, metres.
+/// A face whose plane is this close to the camera is seen edge-on, metres.
 const EDGE_ON_M: f64 = 1e-6;
 
 /// A plane that is nearest at some pixel centres.
@@ -46,12 +48,30 @@ pub(super) struct Crease {
     pub faces: [u32; 2],
 }
 
-/// How a wall is seen.
+/// How a face is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Facing {
     Towards,
     Away,
     EdgeOn,
+}
+
+impl Facing {
+    /// Of a face that the camera is so far in front of, metres.
+    fn of(ahead_m: f64) -> Self {
+        if ahead_m > EDGE_ON_M {
+            Self::Towards
+        } else if ahead_m < -EDGE_ON_M {
+            Self::Away
+        } else {
+            Self::EdgeOn
+        }
+    }
+
+    /// Whether an edge between two faces is contour: unless both face the camera, or both away.
+    fn is_contour(self, other: Self) -> bool {
+        self != other || self == Self::EdgeOn
+    }
 }
 
 /// A vertical edge of a prism and the wall from it to the next one.
@@ -81,7 +101,7 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Finds what is in view and draws the faces; `false` when the camera is not above all of it.
+    /// Finds what is in view and draws the faces; `false` when the camera touches some of it.
     pub fn build(&mut self, lens: &mut Lens, scene: &Scene, depth: &mut DepthBuffer) -> bool {
         self.prisms.clear();
         self.faces.clear();
@@ -90,7 +110,7 @@ impl Outline {
         let mut clearance_m = lens.centre.z;
         for (index, prism) in scene.prisms.iter().enumerate() {
             if let Some(seen) = self.sight(lens, index, prism) {
-                clearance_m = clearance_m.min(lens.centre.z - prism.height_m);
+                clearance_m = clearance_m.min(clearance_of(prism, &lens.centre));
                 self.prisms.push(seen);
             }
         }
@@ -124,7 +144,8 @@ impl Outline {
         if Vector3::new(gap(0), gap(1), drop).norm() > d_max_m {
             return None;
         }
-        let far = Vector3::new(reach(0), reach(1), centre.z).norm() > d_max_m * (1.0 - 1e-9);
+        let rise = centre.z.max(prism.height_m - centre.z);
+        let far = Vector3::new(reach(0), reach(1), rise).norm() > d_max_m * (1.0 - 1e-9);
         // The outer ring bounds the holes.
         let mut outside = u8::MAX;
         for p in prism.rings.first()? {
@@ -158,14 +179,16 @@ impl Outline {
                 }
             }
         }
-        let roof = self.draw_roof(lens, prism, seen.far, depth);
+        let roof_facing = Facing::of(lens.centre.z - prism.height_m);
+        let roof = (roof_facing == Facing::Towards)
+            .then(|| self.draw_roof(lens, prism, seen.far, depth));
         for i in 0..self.corners.len() {
             if self.corners[i].facing == Facing::Towards {
                 self.corners[i].face = self.draw_wall(lens, prism.entity, i, seen.far, depth);
             }
         }
         let first = self.contours.len();
-        self.collect_contours(lens);
+        self.collect_contours(lens, roof_facing);
         seen.contours = first..self.contours.len();
         if seen.far {
             self.collect_creases(lens, roof);
@@ -203,13 +226,7 @@ impl Outline {
             // Distance of the camera in front of the wall; the solid is on the left of a -> b.
             let normal = Vector3::new(b.y - a.y, a.x - b.x, 0.0).normalize();
             let ahead_m = normal.dot(&(lens.centre - a));
-            self.corners[i].facing = if ahead_m > EDGE_ON_M {
-                Facing::Towards
-            } else if ahead_m < -EDGE_ON_M {
-                Facing::Away
-            } else {
-                Facing::EdgeOn
-            };
+            self.corners[i].facing = Facing::of(ahead_m);
         }
     }
 
@@ -256,28 +273,32 @@ impl Outline {
         number
     }
 
-    fn collect_contours(&mut self, lens: &Lens) {
+    fn collect_contours(&mut self, lens: &Lens, roof: Facing) {
         for corner in &self.corners {
             let next = &self.corners[corner.next];
             let before = self.corners[corner.previous].facing;
-            if corner.facing != Facing::Away {
+            // The floor always faces away.
+            if corner.facing.is_contour(Facing::Away) {
                 self.contours.extend(lens.edge(&corner.base, &next.base));
             }
-            if corner.facing != Facing::Towards {
+            if corner.facing.is_contour(roof) {
                 self.contours.extend(lens.edge(&corner.top, &next.top));
             }
-            if before != corner.facing || corner.facing == Facing::EdgeOn {
+            if corner.facing.is_contour(before) {
                 self.contours.extend(lens.edge(&corner.base, &corner.top));
             }
         }
     }
 
-    fn collect_creases(&mut self, lens: &Lens, roof: u32) {
+    /// `roof` is the face of the roof, if it faces the camera.
+    fn collect_creases(&mut self, lens: &Lens, roof: Option<u32>) {
         for corner in self.corners.iter().filter(|corner| corner.facing == Facing::Towards) {
             let next = &self.corners[corner.next];
             let before = &self.corners[corner.previous];
-            let along_roof = lens.edge(&corner.top, &next.top);
-            self.creases.extend(along_roof.map(|edge| Crease { edge, faces: [roof, corner.face] }));
+            if let Some(roof) = roof {
+                let edge = lens.edge(&corner.top, &next.top);
+                self.creases.extend(edge.map(|edge| Crease { edge, faces: [roof, corner.face] }));
+            }
             if before.facing == Facing::Towards {
                 let upright = lens.edge(&corner.base, &corner.top);
                 let faces = [before.face, corner.face];
@@ -285,6 +306,25 @@ impl Outline {
             }
         }
     }
+}
+
+/// How far the camera is from a prism at least, metres: above the roof, or beside the walls of what
+/// is higher. 0 inside.
+fn clearance_of(prism: &Prism, centre: &Vector3<f64>) -> f64 {
+    let above_m = centre.z - prism.height_m;
+    if above_m >= MIN_CLEARANCE_M {
+        return above_m;
+    }
+    let p = [centre.x, centre.y];
+    let edges = prism.rings.iter().flat_map(|ring| {
+        let ends = ring.iter().zip(ring.iter().cycle().skip(1));
+        ends.map(|(&a, &b)| [a, b])
+    });
+    let edges: Vec<[[f64; 2]; 2]> = edges.collect();
+    if contains(&edges, p) {
+        return 0.0;
+    }
+    edges.iter().map(|&[a, b]| distance_to_segment_m(p, a, b)).fold(f64::INFINITY, f64::min)
 }
 
 /// Widens a range of 1/z by the vertices of a ring in the camera frame.

@@ -98,7 +98,7 @@ impl Renderer {
 
     /// Classifies every pixel of the view of `scene` from `pose`.
     ///
-    /// The camera must be above the top of every prism in view (and of the ground) by
+    /// The camera must be above the ground and above or beside every prism in view by
     /// [`super::MIN_CLEARANCE_M`], and the pose finite; otherwise every pixel is Unknown, which is
     /// sound.
     pub fn render(&mut self, scene: &Scene, pose: &Pose) -> &Classified {

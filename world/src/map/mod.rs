@@ -37,8 +37,10 @@ use project::TangentPlane;
 /// farther than the region.
 const SIZES_M: RangeInclusive<f64> = 20.0..=4000.0;
 
-/// How far below the lowest UAV every top must stay, metres.
-pub const FLIGHT_CLEARANCE_M: f64 = 2.0;
+pub use csat_proto::model::FLIGHT_CLEARANCE_M;
+
+/// No building is higher, metres.
+pub const MAX_HEIGHT_M: f64 = 1000.0;
 
 /// Where the town comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -104,7 +106,8 @@ impl Default for MapConfig {
 /// What the rest of the scenario demands of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapRules {
-    /// Altitude of the lowest UAV, metres. Tops stay [`FLIGHT_CLEARANCE_M`] below.
+    /// Altitude of the lowest UAV, metres. Tops stay [`FLIGHT_CLEARANCE_M`] below; infinite where UAVs
+    /// fly around buildings, which then reach up to [`MAX_HEIGHT_M`].
     pub lowest_altitude_m: f64,
     /// How far a car's location stays from every wall, metres: generated streets are this wide on
     /// either side.
@@ -114,6 +117,9 @@ pub struct MapRules {
 impl MapRules {
     /// The highest top allowed, metres.
     pub fn height_limit_m(&self) -> f64 {
+        if self.lowest_altitude_m == f64::INFINITY {
+            return MAX_HEIGHT_M;
+        }
         self.lowest_altitude_m - FLIGHT_CLEARANCE_M
     }
 }
@@ -224,8 +230,14 @@ pub fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
             let got = config.road_spacing_m.to_string();
             expect(spacing_ok, "map.road_spacing_m", got, "40 to 1000 m".into());
             let heights = [config.min_height_m, config.max_height_m];
-            let heights_ok = heights[0] > 0.0 && heights[0] <= heights[1] && heights[1].is_finite();
-            let expected = "0 < min_height_m <= max_height_m".into();
+            let is_around = rules.lowest_altitude_m == f64::INFINITY;
+            let most_m = if is_around { MAX_HEIGHT_M } else { f64::MAX };
+            let heights_ok =
+                heights[0] > 0.0 && heights[0] <= heights[1] && heights[1] <= most_m;
+            let expected = match is_around {
+                true => format!("0 < min_height_m <= max_height_m <= {MAX_HEIGHT_M} m"),
+                false => "0 < min_height_m <= max_height_m".into(),
+            };
             expect(heights_ok, "map.max_height_m", format!("{heights:?}"), expected);
         }
     }

@@ -296,6 +296,18 @@ pub enum MapWarning {
     /// The file has no drivable road.
     #[error("no drivable road in the file")]
     NoRoads,
+    /// A building that would stand in the way of the start.
+    #[error("{name}: {got_m:.1} m high, {max_m} m allow UAVs to start within {radius_m} m; lowered")]
+    LaunchSite {
+        /// The building.
+        name: String,
+        /// Its height, metres.
+        got_m: f64,
+        /// The height it was given, metres.
+        max_m: f64,
+        /// So far about a start buildings are lowered, metres.
+        radius_m: f64,
+    },
     /// Generated buildings would reach the UAVs.
     #[error("map.max_height_m: got {got_m} m, flights allow {max_m} m; lowered")]
     MaxHeightLowered {

@@ -104,3 +104,36 @@ fn messages_are_conserved() {
     assert_eq!(json["fault"]["kind"], "message-conservation");
     assert_eq!(json["fault"]["counts"]["sent"], 10);
 }
+
+/// Over a roof, beside it and through it, also between two checks.
+#[test]
+fn uavs_keep_their_clearance_from_buildings() {
+    let at = |x: f64, y: f64, z: f64| Pose::level([x, y, z], 0.0);
+    for (pose, distance_m) in [
+        (at(5.0, 5.0, 11.0), None),
+        (at(5.0, 5.0, 10.999), Some(0.0)),
+        (at(12.0, 5.0, 3.0), None),
+        (at(11.999, 5.0, 3.0), Some(1.999)),
+        (at(11.999, 5.0, 11.1), None),
+        (at(13.0, 11.5, 60.0), None),
+    ] {
+        let mut monitor = monitor();
+        let found = monitor.check_flights(Step(4), &[at(-40.0, 0.0, 3.0), pose]);
+        let faults: Vec<Fault> = found.into_iter().map(|violation| violation.fault).collect();
+        match (distance_m, &faults[..]) {
+            (None, []) => {}
+            (Some(expected), [Fault::BuildingDistance { agent, obstacle, distance_m, limit_m }]) => {
+                assert_eq!((*agent, *obstacle, *limit_m), (AgentId(1), 0, 2.0));
+                assert!((distance_m - expected).abs() < 1e-9, "{distance_m}");
+            }
+            other => panic!("{pose:?}: {other:?}"),
+        }
+        assert_eq!(monitor.counts().building_distance, faults.len() as u64);
+        assert_eq!(monitor.counts().total(), faults.len() as u64);
+    }
+    let mut monitor = monitor();
+    assert_eq!(monitor.check_flights(Step(0), &[at(-10.0, 5.0, 3.0)]), []);
+    let through = monitor.check_flights(Step(1), &[at(20.0, 5.0, 3.0)]);
+    assert_eq!(through.len(), 1, "it flew through the block");
+    assert_eq!(monitor.check_flights(Step(2), &[at(21.0, 5.0, 3.0)]), []);
+}

@@ -1,6 +1,6 @@
 //! The mistakes of a scenario that show before anything is built.
 
-use csat_proto::model::{FleetModel, Ground};
+use csat_proto::model::{FLIGHT_CLEARANCE_M, FleetModel, Ground};
 
 use super::{WorldConfig, WorldError, stations};
 
@@ -42,6 +42,12 @@ pub(super) fn mistakes(config: &WorldConfig) -> Vec<WorldError> {
     expect(step.is_finite(), "agents.altitude_step_m", &step, "a number, in metres");
     let band = fleet.altitude_band_m;
     expect(positive(band), "agents.altitude_band_m", &band, "a number above 0, in metres");
+    if fleet.avoid_buildings {
+        // Where it starts a UAV flies over what stands there; elsewhere `map` judges the altitude.
+        let (lowest_m, least_m) = (lowest_altitude_m(fleet), FLIGHT_CLEARANCE_M + 1.0);
+        let expected = format!("more than {least_m} m for the lowest UAV");
+        expect(lowest_m > least_m, "agents.altitude_m", &lowest_m, &expected);
+    }
     let body = targets.body_m;
     let body_ok = body.iter().all(|x| positive(*x));
     expect(body_ok, "targets.body_m", &body, "three lengths above 0");

@@ -87,3 +87,39 @@ fn no_room_is_an_error_that_says_what_to_change() {
     let errors = World::new(&config, 1).unwrap_err();
     assert!(matches!(errors.errors[..], [WorldError::Placement(_)]), "{errors}");
 }
+
+/// Off: all below the flights. On: as high as the map says, but for the launch site.
+#[test]
+fn buildings_are_as_high_as_they_are_where_uavs_fly_around_them() {
+    let heights = |world: &World| -> Vec<f64> {
+        world.obstacles().iter().map(|o| o.height_m).collect()
+    };
+    let mut config = WorldConfig::default();
+    config.map.max_height_m = 120.0;
+    config.map.min_height_m = 60.0;
+    let low = World::new(&config, 2).unwrap();
+    assert!(heights(&low).iter().all(|h| *h <= 50.0));
+    config.fleet.avoid_buildings = true;
+    let high = World::new(&config, 2).unwrap();
+    let launch_m = config.fleet.launch_radius_m();
+    assert_eq!(launch_m, 50.0);
+    let start = [-260.0, 0.0];
+    let mut lowered = 0;
+    for (index, obstacle) in high.obstacles().iter().enumerate() {
+        let walls = Walls::new(std::slice::from_ref(obstacle));
+        let is_near = walls.nearest_within(start, launch_m).is_some();
+        lowered += usize::from(is_near);
+        assert_eq!(obstacle.height_m >= 60.0, !is_near, "{index}");
+        assert!(!is_near || obstacle.height_m == 50.0);
+    }
+    let told = |w: &&MapWarning| matches!(w, MapWarning::LaunchSite { max_m: 50.0, .. });
+    assert_eq!(high.warnings().iter().filter(told).count(), lowered);
+    config.map.size_m = [150.0; 2];
+    let narrow = World::new(&config, 4).unwrap();
+    assert!(narrow.warnings().iter().any(|w| told(&w)), "{:?}", narrow.warnings());
+    config.map.max_height_m = 1001.0;
+    config.fleet.altitude_m = 3.0;
+    let error = World::new(&config, 2).unwrap_err().to_string();
+    assert!(error.contains("max_height_m <= 1000 m"), "{error}");
+    assert!(error.contains("more than 3 m for the lowest UAV"), "{error}");
+}

@@ -21,7 +21,10 @@ pub fn check_view(name: String, scene: &Scene, model: CameraModel, pose: Pose, k
     check.grid(&seen, k)
 }
 
-fn sweep(seeds: std::ops::Range<u64>, columns: u16, rows: u16, k: usize) -> Count {
+/// How a sweep draws where the camera is.
+type Draw = fn(&mut ChaCha8Rng, &Scene) -> Pose;
+
+fn sweep(seeds: std::ops::Range<u64>, draw: Draw, columns: u16, rows: u16, k: usize) -> Count {
     let mut total = Count::default();
     for seed in seeds {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -32,7 +35,7 @@ fn sweep(seeds: std::ops::Range<u64>, columns: u16, rows: u16, k: usize) -> Coun
         }
         let model = scenes::model(&mut rng, columns, rows);
         for _ in 0..2 {
-            let pose = scenes::pose(&mut rng, &scene);
+            let pose = draw(&mut rng, &scene);
             total.add(check_view(format!("seed {seed}"), &scene, model, pose, k));
         }
     }
@@ -49,14 +52,25 @@ fn sweep(seeds: std::ops::Range<u64>, columns: u16, rows: u16, k: usize) -> Coun
 
 #[test]
 fn small_images_agree_with_the_oracle() {
-    let total = sweep(0..600, 48, 36, 4);
+    let total = sweep(0..600, scenes::pose, 48, 36, 4);
     assert!(total.share(total.conservative) < 0.05, "{total:?}");
     assert!(total.share(total.unexplained) < 0.005, "{total:?}");
 }
 
 #[test]
 fn full_images_agree_with_the_oracle() {
-    let total = sweep(10_000..10_004, 480, 360, 4);
+    let total = sweep(10_000..10_004, scenes::pose, 480, 360, 4);
     assert!(total.share(total.conservative) < 0.02, "{total:?}");
     assert!(total.share(total.unexplained) < 0.001, "{total:?}");
+}
+
+/// Some of the tops are above the camera.
+#[test]
+fn cameras_among_towers_agree_with_the_oracle() {
+    let total = sweep(20_000..20_500, scenes::pose_among, 48, 36, 4);
+    assert!(total.share(total.known) > 0.3, "{total:?}");
+    assert!(total.share(total.conservative) < 0.06, "{total:?}");
+    assert!(total.share(total.unexplained) < 0.006, "{total:?}");
+    let full = sweep(30_000..30_003, scenes::pose_among, 480, 360, 4);
+    assert!(full.share(full.conservative) < 0.02, "{full:?}");
 }

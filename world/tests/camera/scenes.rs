@@ -203,3 +203,40 @@ pub fn pose(rng: &mut ChaCha8Rng, scene: &Scene) -> Pose {
     let (pitch_rad, roll_rad) = (angle(), angle());
     Pose { p_world: [place[0], place[1], top + above], yaw_rad, pitch_rad, roll_rad }
 }
+
+/// A pose among the towers of a town, some of which are then higher than the camera: beside them,
+/// at a corner or in the plane of a wall, now and then exactly as high as one.
+pub fn pose_among(rng: &mut ChaCha8Rng, scene: &Scene) -> Pose {
+    let above = pose(rng, scene);
+    let tops: Vec<f64> = scene.prisms.iter().map(|prism| prism.height_m).collect();
+    let z = match rng.random_range(0..4) {
+        0 => tops[rng.random_range(0..tops.len())],
+        _ => above.p_world[2] * rng.random_range(0.1..1.0),
+    };
+    let mut place = [above.p_world[0], above.p_world[1]];
+    if rng.random_bool(0.4) {
+        // Close before a wall.
+        let ring = &scene.prisms[rng.random_range(0..scene.prisms.len())].rings[0];
+        let (a, b) = (ring[0], ring[1]);
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let off = rng.random_range(0.002..3.0) / dx.hypot(dy);
+        let t = rng.random_range(-0.2..1.2);
+        place = [a[0] + t * dx + off * dy, a[1] + t * dy - off * dx];
+    }
+    let is_in = |prism: &Prism| prism.height_m > z && is_inside(prism, place);
+    // A camera in a wall sees nothing.
+    if scene.prisms.iter().any(is_in) {
+        return above;
+    }
+    Pose { p_world: [place[0], place[1], z], ..above }
+}
+
+/// By the even-odd rule.
+fn is_inside(prism: &Prism, p: [f64; 2]) -> bool {
+    let crosses = |a: [f64; 2], b: [f64; 2]| {
+        let x = || a[0] + (p[1] - a[1]) * (b[0] - a[0]) / (b[1] - a[1]);
+        (a[1] > p[1]) != (b[1] > p[1]) && p[0] < x()
+    };
+    let edges = prism.rings.iter().flat_map(|r| (0..r.len()).map(|i| (r[i], r[(i + 1) % r.len()])));
+    edges.filter(|&(a, b)| crosses(a, b)).count() % 2 == 1
+}

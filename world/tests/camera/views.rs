@@ -141,19 +141,76 @@ fn camera_just_above_a_roof() {
 }
 
 #[test]
-fn camera_below_a_top_is_blind() {
+fn camera_in_a_prism_or_in_the_ground_is_blind() {
     let scene = block([30.0, 0.0], [10.0, 14.0], 20.0);
-    for z in [19.0, 20.0, 0.0, -3.0, f64::NAN] {
-        let seen = Renderer::new(SMALL).render(&scene, &Pose::level([0.0, 0.0, z], 0.0)).clone();
-        assert_eq!(count(&seen, Label::Unknown), SMALL.pixels(), "at {z} m");
+    for p_world in [
+        [0.0, 0.0, 0.0],
+        [0.0, 0.0, -3.0],
+        [0.0, 0.0, f64::NAN],
+        [30.0, 0.0, 19.0],
+        [24.9995, 0.0, 19.0],
+        [30.0, 0.0, 20.0],
+        [30.0, 0.0, 20.0005],
+        [f64::NAN, 0.0, 50.0],
+    ] {
+        let seen = Renderer::new(SMALL).render(&scene, &Pose::level(p_world, 0.0)).clone();
+        assert_eq!(count(&seen, Label::Unknown), SMALL.pixels(), "at {p_world:?}");
         assert_eq!(seen.entity(0), None);
     }
-    let nowhere = Pose::level([f64::NAN, 0.0, 50.0], 0.0);
-    let seen = Renderer::new(SMALL).render(&scene, &nowhere).clone();
-    assert_eq!(count(&seen, Label::Unknown), SMALL.pixels());
-    // A tower behind the camera does not matter.
-    let seen = view("behind", &scene, SMALL, Pose::level([0.0, 0.0, 19.0], PI));
-    assert!(count(&seen, Label::Ground) > 500);
+}
+
+/// A tower before the camera, as high as it, a little lower and higher, and much higher.
+#[test]
+fn camera_beside_a_tower() {
+    for height_m in [19.0, 20.0 - 1e-4, 20.0 - 1e-7, 20.0, 20.0 + 1e-7, 20.0 + 1e-4, 21.0, 90.0] {
+        let scene = block([30.0, 0.0], [10.0, 14.0], height_m);
+        for (x, y) in [(0.0, 0.0), (24.0, 0.0), (24.998, 3.0), (0.0, 7.0), (25.0 - 1e-9, -20.0)] {
+            let toward = f64::atan2(-y, 30.0 - x);
+            for (yaw_rad, pitch_rad) in [(toward, 0.0), (toward + 0.4, -0.5), (PI, 0.0)] {
+                let pose = Pose { pitch_rad, ..Pose::level([x, y, 20.0], yaw_rad) };
+                let name = format!("{height_m} m high from {x}, {y}, pitch {pitch_rad}");
+                let seen = view(&name, &scene, SMALL, pose);
+                if (x, yaw_rad) == (24.0, toward) {
+                    assert!(count(&seen, Label::Obstacle) > 1500, "{name}");
+                }
+            }
+        }
+    }
+}
+
+/// Over a lower roof, and over the front edge of one above the camera, to a tower that touches it.
+#[test]
+fn towers_that_touch_are_told_apart() {
+    for heights in [[15.0, 90.0], [25.0, 90.0], [90.0, 25.0], [40.0, 40.0], [20.0, 40.0]] {
+        let mut town = Town::default();
+        for (height_m, x) in heights.into_iter().zip([30.0, 40.0]) {
+            town.add(vec![placed(&rectangle(10.0, 14.0), [x, 0.0], 0.0)], height_m);
+        }
+        for (x, y) in [(0.0, 0.0), (20.0, -20.0), (35.0, -20.0), (60.0, 3.0)] {
+            let yaw_rad = f64::atan2(-y, 35.0 - x);
+            for pitch_rad in [0.0, -0.7] {
+                let pose = Pose { pitch_rad, ..Pose::level([x, y, 20.0], yaw_rad) };
+                view(&format!("{heights:?} from {x}, {y}"), &town.scene, SMALL, pose);
+            }
+        }
+    }
+}
+
+/// The camera may be in a courtyard, below its roofs.
+#[test]
+fn camera_in_a_courtyard() {
+    let mut town = Town::default();
+    let mut court = rectangle(20.0, 16.0);
+    court.reverse();
+    town.add(vec![rectangle(40.0, 30.0), court], 60.0);
+    town.add_car([6.0, 2.0], 0.4);
+    for (yaw_rad, tilt_deg) in [(0.0, 30.0), (0.5, 60.0), (2.0, 10.0), (4.0, -20.0)] {
+        let model = CameraModel { tilt_deg, ..SMALL };
+        let pose = Pose::level([-6.0, 1.0, 12.0], yaw_rad);
+        let seen = view(&format!("courtyard, {yaw_rad}"), &town.scene, model, pose);
+        let known = SMALL.pixels() - count(&seen, Label::Unknown);
+        assert!(count(&seen, Label::Obstacle) > 50 && known > 800, "{yaw_rad}");
+    }
 }
 
 #[test]
