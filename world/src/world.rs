@@ -68,10 +68,7 @@ impl WorldConfig {
             true => f64::INFINITY,
             false => lowest_altitude_m(&self.fleet),
         };
-        MapRules {
-            lowest_altitude_m,
-            road_clearance_m: road_clearance_m(&self.targets),
-        }
+        MapRules { lowest_altitude_m, road_clearance_m: road_clearance_m(&self.targets) }
     }
 }
 

@@ -79,8 +79,13 @@ impl Search<'_> {
         if self.weights.cost(&terms) >= best_cost {
             return;
         }
-        terms.distance_m =
-            self.sight.distance_m(&level.base, seen, self.picture.hidden_now, self.picture.oem, pose);
+        terms.distance_m = self.sight.distance_m(
+            &level.base,
+            seen,
+            self.picture.hidden_now,
+            self.picture.oem,
+            pose,
+        );
         let cost = self.weights.cost(&terms);
         if cost < best_cost {
             self.best = Some(Best { cost, terms, choices: self.trail.clone() });

@@ -46,7 +46,8 @@ impl Turning {
 
     /// The pose one block after `pose` with the yaw increment of that index, settled again. Level.
     pub(super) fn advance(&self, pose: &Pose, increment: usize) -> Pose {
-        let [x, y] = self.way(pose, increment).next_back().unwrap_or([pose.p_world[0], pose.p_world[1]]);
+        let [x, y] =
+            self.way(pose, increment).next_back().unwrap_or([pose.p_world[0], pose.p_world[1]]);
         Pose::level([x, y, pose.p_world[2]], pose.yaw_rad + self.turns[increment].0)
     }
 
@@ -65,7 +66,8 @@ impl Turning {
     /// block begins: what is left of it then, at most √2·e^{-ζωT} of a turn, decays with ζω.
     pub(super) fn doubt_m(config: &AgentConfig, turn_rad: f64) -> f64 {
         let rate = DAMPING * SETTLING / config.fleet.yaw_settling_s;
-        let left_rad = std::f64::consts::SQRT_2 * turn_rad.abs() * (-rate * config.guidance.period_s).exp();
+        let left_rad =
+            std::f64::consts::SQRT_2 * turn_rad.abs() * (-rate * config.guidance.period_s).exp();
         config.fleet.speed_m_s * left_rad / rate
     }
 

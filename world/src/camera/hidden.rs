@@ -149,11 +149,7 @@ pub(super) fn pierces(
 }
 
 /// The ends of the part of the segment from `centre` to `point` that is below a height, metres.
-fn below(
-    height_m: f64,
-    centre: &Vector3<f64>,
-    point: &Vector3<f64>,
-) -> Option<[Vector3<f64>; 2]> {
+fn below(height_m: f64, centre: &Vector3<f64>, point: &Vector3<f64>) -> Option<[Vector3<f64>; 2]> {
     let crossing = || centre + (point - centre) * ((centre.z - height_m) / (centre.z - point.z));
     match (centre.z < height_m, point.z < height_m) {
         (true, true) => Some([*centre, *point]),

@@ -180,8 +180,8 @@ impl Outline {
             }
         }
         let roof_facing = Facing::of(lens.centre.z - prism.height_m);
-        let roof = (roof_facing == Facing::Towards)
-            .then(|| self.draw_roof(lens, prism, seen.far, depth));
+        let roof =
+            (roof_facing == Facing::Towards).then(|| self.draw_roof(lens, prism, seen.far, depth));
         for i in 0..self.corners.len() {
             if self.corners[i].facing == Facing::Towards {
                 self.corners[i].face = self.draw_wall(lens, prism.entity, i, seen.far, depth);

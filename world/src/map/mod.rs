@@ -232,8 +232,7 @@ pub fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
             let heights = [config.min_height_m, config.max_height_m];
             let is_around = rules.lowest_altitude_m == f64::INFINITY;
             let most_m = if is_around { MAX_HEIGHT_M } else { f64::MAX };
-            let heights_ok =
-                heights[0] > 0.0 && heights[0] <= heights[1] && heights[1] <= most_m;
+            let heights_ok = heights[0] > 0.0 && heights[0] <= heights[1] && heights[1] <= most_m;
             let expected = match is_around {
                 true => format!("0 < min_height_m <= max_height_m <= {MAX_HEIGHT_M} m"),
                 false => "0 < min_height_m <= max_height_m".into(),

@@ -297,7 +297,9 @@ pub enum MapWarning {
     #[error("no drivable road in the file")]
     NoRoads,
     /// A building that would stand in the way of the start.
-    #[error("{name}: {got_m:.1} m high, {max_m} m allow UAVs to start within {radius_m} m; lowered")]
+    #[error(
+        "{name}: {got_m:.1} m high, {max_m} m allow UAVs to start within {radius_m} m; lowered"
+    )]
     LaunchSite {
         /// The building.
         name: String,

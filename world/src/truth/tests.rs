@@ -122,7 +122,10 @@ fn uavs_keep_their_clearance_from_buildings() {
         let faults: Vec<Fault> = found.into_iter().map(|violation| violation.fault).collect();
         match (distance_m, &faults[..]) {
             (None, []) => {}
-            (Some(expected), [Fault::BuildingDistance { agent, obstacle, distance_m, limit_m }]) => {
+            (
+                Some(expected),
+                [Fault::BuildingDistance { agent, obstacle, distance_m, limit_m }],
+            ) => {
                 assert_eq!((*agent, *obstacle, *limit_m), (AgentId(1), 0, 2.0));
                 assert!((distance_m - expected).abs() < 1e-9, "{distance_m}");
             }

@@ -91,9 +91,8 @@ fn no_room_is_an_error_that_says_what_to_change() {
 /// Off: all below the flights. On: as high as the map says, but for the launch site.
 #[test]
 fn buildings_are_as_high_as_they_are_where_uavs_fly_around_them() {
-    let heights = |world: &World| -> Vec<f64> {
-        world.obstacles().iter().map(|o| o.height_m).collect()
-    };
+    let heights =
+        |world: &World| -> Vec<f64> { world.obstacles().iter().map(|o| o.height_m).collect() };
     let mut config = WorldConfig::default();
     config.map.max_height_m = 120.0;
     config.map.min_height_m = 60.0;
@@ -115,6 +114,7 @@ fn buildings_are_as_high_as_they_are_where_uavs_fly_around_them() {
     let told = |w: &&MapWarning| matches!(w, MapWarning::LaunchSite { max_m: 50.0, .. });
     assert_eq!(high.warnings().iter().filter(told).count(), lowered);
     config.map.size_m = [150.0; 2];
+    config.map.built_share = 0.2;
     let narrow = World::new(&config, 4).unwrap();
     assert!(narrow.warnings().iter().any(|w| told(&w)), "{:?}", narrow.warnings());
     config.map.max_height_m = 1001.0;

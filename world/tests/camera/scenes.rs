@@ -223,7 +223,7 @@ pub fn pose_among(rng: &mut ChaCha8Rng, scene: &Scene) -> Pose {
         let t = rng.random_range(-0.2..1.2);
         place = [a[0] + t * dx + off * dy, a[1] + t * dy - off * dx];
     }
-    let is_in = |prism: &Prism| prism.height_m > z && is_inside(prism, place);
+    let is_in = |prism: &Prism| prism.height_m > z - 0.01 && is_inside(prism, place);
     // A camera in a wall sees nothing.
     if scene.prisms.iter().any(is_in) {
         return above;

@@ -89,7 +89,8 @@ impl Airspace {
             circling,
             unknown,
             margin_m,
-            launch_m: (config.incarnation == Incarnation(0)).then(|| config.fleet.launch_radius_m()),
+            launch_m: (config.incarnation == Incarnation(0))
+                .then(|| config.fleet.launch_radius_m()),
             blocks: config.guidance.blocks(),
             steps_per_block: (config.guidance.period_s / config.period_s).round().max(1.0) as u32,
             way_out: None,

@@ -73,7 +73,8 @@ impl Seen {
         }
         let (a, b) = if a[1] * b[0] <= b[1] * a[0] { (a, b) } else { (b, a) };
         let [from, to] = [a, b].map(|[x, y]| (y / x + MOST) * BINS);
-        let bins = from.max(0.0).ceil() as usize..(to.max(0.0).floor() as usize).min(self.far.len());
+        let bins =
+            from.max(0.0).ceil() as usize..(to.max(0.0).floor() as usize).min(self.far.len());
         // Ahead along the segment in the direction of a tangent.
         let d = [b[0] - a[0], b[1] - a[1]];
         let ahead = |bin: usize| {

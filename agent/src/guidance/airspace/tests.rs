@@ -5,9 +5,9 @@ use csat_proto::frame::Label;
 use csat_proto::oem::{OemCell, OemDelta};
 use nalgebra::Vector3;
 
+use super::super::Picture;
 use super::super::Planner;
 use super::super::tests::{CRITERIA, Scene, default_config};
-use super::super::Picture;
 use super::*;
 use crate::config::Criterion;
 
@@ -244,7 +244,8 @@ fn plans_keep_to_what_may_be_flown() {
         let free = Planner::new(&config).plan(&scene.picture(), &pose, &[]);
         let blocks = free.poses.iter().zip(&free.increments_rad[1..]);
         let meets_wall = |(pose, turn): (&Pose, &f64)| !ways.is_open(pose, *turn);
-        blind += u32::from(!ways.is_safe(free.increments_rad[0]) || blocks.map(meets_wall).any(|x| x));
+        blind +=
+            u32::from(!ways.is_safe(free.increments_rad[0]) || blocks.map(meets_wall).any(|x| x));
         for (pose, turn) in decision.poses.iter().zip(&decision.increments_rad[1..]) {
             assert!(ways.is_open(pose, *turn), "{criterion:?} plans through the wall");
         }

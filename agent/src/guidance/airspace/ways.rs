@@ -32,7 +32,9 @@ pub(super) struct Circling {
 impl Circling {
     pub(super) fn of(config: &AgentConfig, increments: &[f64]) -> Self {
         let turns = || increments.iter().copied().filter(|u| u.abs() > LEAST_TURN_RAD);
-        let sharpest = |sign: f64| turns().filter(|u| u * sign > 0.0).max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let sharpest = |sign: f64| {
+            turns().filter(|u| u * sign > 0.0).max_by(|a, b| a.abs().total_cmp(&b.abs()))
+        };
         let rads: Vec<f64> = [1.0, -1.0].into_iter().filter_map(sharpest).collect();
         let sides = rads.iter().filter_map(|turn| increments.iter().position(|u| u == turn));
         let rounds = rads.iter().map(|turn| TAU / turn.abs());
@@ -44,7 +46,9 @@ impl Circling {
             let half = 0.5 * turn.abs();
             if is_whole { 0.0 } else { 0.5 * block_m / half.sin() * (1.0 - half.cos()) }
         };
-        let doubts = rads.iter().map(|turn| (blocks + 2) as f64 * Turning::doubt_m(config, *turn) + bulge_m(turn));
+        let doubts = rads
+            .iter()
+            .map(|turn| (blocks + 2) as f64 * Turning::doubt_m(config, *turn) + bulge_m(turn));
         let doubt_m = doubts.fold(0.0, f64::max);
         Self { sides: sides.collect(), blocks, doubt_m }
     }
