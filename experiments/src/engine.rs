@@ -332,7 +332,9 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         }
         let targets = self.world.targets();
         let mut found = self.monitor.check(step, &[], targets);
-        found.extend(self.monitor.check_flights(step, &self.world.poses()));
+        // Ground stations stand beside buildings, or on them.
+        let uavs = usize::from(self.world.config().fleet.count);
+        found.extend(self.monitor.check_flights(step, &self.world.poses()[..uavs]));
         self.truths.push_back((step, targets.to_vec()));
         if self.truths.len() > MAX_TRUTHS {
             self.truths.pop_front();

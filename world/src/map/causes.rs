@@ -34,6 +34,7 @@ impl MapWarning {
             | Self::NoCenter { .. }
             | Self::NoBuildings
             | Self::NoRoads
+            | Self::LaunchSite { .. }
             | Self::MaxHeightLowered { .. } => None,
         }
     }
