@@ -89,6 +89,15 @@ impl AgentConfig {
         Grid::covering(&self.ground, self.estimator.raster_cell_m)
     }
 
+    /// The camera as guidance sees it. Rays and windows are laid out for all of its d_max, so it looks no
+    /// farther than there is ground to see: all of X_g from twice its diagonal away.
+    pub fn planning_camera(&self) -> CameraModel {
+        let [east, north] = self.ground.size_m;
+        let ends = [0, self.fleet.count.saturating_sub(1)].map(|i| self.fleet.altitude_of(i));
+        let farthest_m = (2.0 * east.hypot(north)).hypot(ends[0].max(ends[1]));
+        CameraModel { d_max_m: self.camera.d_max_m.min(farthest_m), ..self.camera }
+    }
+
     /// The grid of the occupancy-elevation map.
     pub fn oem_grid(&self) -> Grid {
         Grid::covering(&self.ground, self.estimator.oem_cell_m)

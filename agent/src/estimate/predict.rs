@@ -8,7 +8,7 @@ use csat_proto::time::Step;
 use super::state::Knowledge;
 use crate::config::AgentConfig;
 use crate::mutant::{Mutant, is_on};
-use crate::region::{Disc, Grown, Outer};
+use crate::region::{Grown, Outer, Reach};
 
 /// Sets are simplified by at least this before they grow, metres: where sets meet that are the same but
 /// for rounding, as those of two agents are, borders have details of that size. Notches and gaps are
@@ -27,7 +27,7 @@ pub struct Predicted {
 /// Grows the sets by whatever a target may do in one period.
 #[derive(Debug, Clone)]
 pub struct Predictor {
-    reach: Disc,
+    reach: Reach,
     simplify_m: f64,
     hidden_steps: u32,
 }
@@ -44,7 +44,7 @@ impl Predictor {
             false => 1.0,
         };
         Self {
-            reach: Disc::circumscribed(shrunk * radius_m, vertices),
+            reach: Reach::new(shrunk * radius_m, vertices),
             simplify_m: config.estimator.simplify_m.max(SLIVER_M),
             hidden_steps: (horizon_s / config.period_s).round() as u32,
         }

@@ -74,7 +74,7 @@ impl Sight {
     pub(super) fn new(config: &AgentConfig) -> Self {
         let grid = config.raster_grid();
         Self {
-            camera: config.camera,
+            camera: config.planning_camera(),
             grid,
             criterion: config.guidance.criterion,
             occlusion: match config.guidance.criterion {
@@ -86,7 +86,7 @@ impl Sight {
                 Criterion::Str3 | Criterion::Str4 => Occlusion::Oem,
             },
             towers: Towers::default(),
-            caster: Caster::new(&grid, config.camera.d_max_m),
+            caster: Caster::new(&grid, config.planning_camera().d_max_m),
         }
     }
 

@@ -48,9 +48,9 @@ impl FirstLooks {
         (0..grid.rows).for_each(|row| unknown.set_run(row, 0..grid.columns));
         let [low, high] = config.camera.depth_noise.map(f64::abs);
         let reach_m = DEPTH_ERROR * config.targets.obstacle_distance_m / low.max(high);
-        let d_max_m = config.camera.d_max_m.min(reach_m);
+        let camera = config.planning_camera();
         Self {
-            camera: CameraModel { d_max_m, ..config.camera },
+            camera: CameraModel { d_max_m: camera.d_max_m.min(reach_m), ..camera },
             grid,
             unknown,
             once: Raster::empty(grid),

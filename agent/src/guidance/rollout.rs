@@ -57,7 +57,7 @@ pub(super) struct Meeting {
 impl Meeting {
     pub(super) fn new(config: &AgentConfig) -> Self {
         let way_m = Motion::new(config).block_m * config.guidance.blocks() as f64;
-        Self { reach_m: way_m + 2.0 * config.camera.d_max_m }
+        Self { reach_m: way_m + 2.0 * config.planning_camera().d_max_m }
     }
 
     /// Whether something may be seen both from `theirs` and from where `own` can be in time.

@@ -221,9 +221,9 @@ impl Views {
     /// No view yet, on `grid`.
     pub(super) fn new(grid: Grid, config: &AgentConfig) -> Self {
         Self {
-            camera: config.camera,
+            camera: config.planning_camera(),
             grid,
-            caster: RayCaster::new(grid, config.camera.d_max_m),
+            caster: RayCaster::new(grid, config.planning_camera().d_max_m),
             outlooks: BTreeMap::new(),
             viewsheds: BTreeMap::new(),
             known: BTreeMap::new(),

@@ -5,7 +5,7 @@ use csat_proto::region::{GridBox, GridPoint, MAX_COORDINATE_M, Region, Ring, Sha
 use super::boolean::shallow_groups;
 use super::simplify::{Kind, simplified_rings};
 use super::sweep::dilated_path;
-use super::{Disc, Inner, Outer, RULE, overlay};
+use super::{Inner, Outer, RULE, Reach, overlay};
 
 /// A dilated outer set whose raw paths are not resolved yet: X_{k|k-1} (4.24)-(4.26).
 ///
@@ -38,14 +38,20 @@ impl Grown {
         Self { groups: groups(shapes.cloned()), bounds: bounds.clone() }
     }
 
-    /// (`set` ⊕ `disc`) ∩ `bounds`, after a simplification by at most `tolerance_m`.
-    pub fn new(set: &Outer, tolerance_m: f64, disc: &Disc, bounds: &Region) -> Self {
-        if !disc.fits(set.region()) {
+    /// A superset of (`set` ⊕ `reach`) ∩ `bounds`, after a simplification by at most `tolerance_m`. A long
+    /// reach is gone in stages, of which the last one waits.
+    pub fn new(set: &Outer, tolerance_m: f64, reach: &Reach, bounds: &Region) -> Self {
+        let Some((set, last)) = set.before_last_stage(reach) else {
             return Self::still(&Outer::containing(bounds.clone()), bounds);
-        }
+        };
+        let tolerance_m =
+            if reach.is_short() { tolerance_m } else { tolerance_m.max(last.tolerance_m) };
         let grown = |shape: &Shape| -> Shape {
-            let rings = simplified_rings(shape, Kind::Outer, tolerance_m);
-            rings.iter().map(|ring| dilated_path(ring, disc)).collect()
+            let rings: Vec<Ring> = match reach.is_short() {
+                true => simplified_rings(shape, Kind::Outer, tolerance_m),
+                false => simplified_rings(last.swept_rings(shape), Kind::Outer, tolerance_m),
+            };
+            rings.iter().map(|ring| dilated_path(ring, &last.disc)).collect()
         };
         let shapes = set.region().shapes().iter();
         Self { groups: groups(shapes.map(grown)), bounds: bounds.clone() }

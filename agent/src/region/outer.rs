@@ -1,6 +1,6 @@
 //! Outer approximations.
 
-use csat_proto::region::{GridBox, Region, Ring, Shape};
+use csat_proto::region::{GridBox, MAX_COORDINATE_M, Region, Ring, Shape, to_units};
 
 use super::boolean::shallow_groups;
 use super::simplify::{Kind, simplify_region, simplify_shapes};
@@ -21,7 +21,13 @@ impl Outer {
     /// The union of convex rings (counter-clockwise, grid; points and segments are such, too), each
     /// dilated by `disc`, within `bounds`.
     pub(crate) fn around(rings: &[Ring], disc: &Disc, bounds: &Region) -> Self {
-        if !GridBox::around(rings.iter().flatten()).is_none_or(|b| disc.fits_about(&b)) {
+        // A point at the end of the grid may stand for one beyond it.
+        let end = to_units(MAX_COORDINATE_M);
+        let is_inside =
+            |b: &GridBox| [b.min.x, b.min.y, -b.max.x, -b.max.y].iter().all(|&x| x > -end);
+        if GridBox::around(rings.iter().flatten())
+            .is_some_and(|b| !is_inside(&b) || !disc.fits_about(&b))
+        {
             return Self(bounds.clone());
         }
         let paths: Vec<Ring> = rings.iter().map(|ring| dilated_path(ring, disc)).collect();
@@ -136,8 +142,11 @@ mod tests {
     #[test]
     fn what_reaches_past_the_grid_fills_the_bounds() {
         let bounds = Region::rectangle([100.0, 100.0]);
-        let far = vec![grid_point([4095.0, 0.0])];
-        let disc = Disc::circumscribed(1.5, 16);
-        assert_eq!(Outer::around(&[far], &disc, &bounds).into_region(), bounds);
+        for (far, radius_m) in [([4095.0, 0.0], 1.5), ([0.0, -5000.0], 0.3), ([4094.0, 0.0], 3.0)] {
+            // The other end of a segment, so that something of it is in reach.
+            let segment = vec![grid_point(far), grid_point([0.0, 0.0])];
+            let disc = Disc::circumscribed(radius_m, 16);
+            assert_eq!(Outer::around(&[segment], &disc, &bounds).into_region(), bounds);
+        }
     }
 }

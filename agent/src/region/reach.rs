@@ -23,15 +23,18 @@ pub struct Reach {
     stages: Vec<Stage>,
 }
 
+/// A part of the way.
 #[derive(Debug, Clone)]
-struct Stage {
-    disc: Disc,
+pub(super) struct Stage {
+    pub(super) disc: Disc,
     radius_m: f64,
-    tolerance_m: f64,
+    /// Of the simplification before it; small against the radius.
+    pub(super) tolerance_m: f64,
 }
 
 impl Reach {
-    /// A disc of `radius_m`, by circumscribed polygons of `vertices` corners.
+    /// A disc of `radius_m`, by circumscribed polygons of `vertices` corners. One stage will do for up to
+    /// a metre.
     pub fn new(radius_m: f64, vertices: u16) -> Self {
         let mut stages = Vec::new();
         let mut done_m = 0.0;
@@ -42,7 +45,21 @@ impl Reach {
             stages.push(Stage { disc, radius_m: part_m, tolerance_m });
             done_m += part_m;
         }
-        Self { whole: Disc::circumscribed(radius_m, vertices), stages }
+        let whole = Disc::circumscribed(radius_m, vertices);
+        if stages.is_empty() { Self::at_once(whole) } else { Self { whole, stages } }
+    }
+
+    /// A disc that is swept at once, however large it is.
+    pub fn at_once(disc: Disc) -> Self {
+        let stage = Stage { disc: disc.clone(), radius_m: 0.0, tolerance_m: 0.0 };
+        Self { whole: disc, stages: vec![stage] }
+    }
+}
+
+impl Reach {
+    /// Whether all of it is one stage.
+    pub(super) fn is_short(&self) -> bool {
+        self.stages.len() == 1
     }
 }
 
@@ -50,20 +67,24 @@ impl Outer {
     /// A superset of (self ⊕ reach) ∩ bounds. Corners that a simplification pushed out are pushed on by
     /// the stages that follow, by up to three quarters of the reach.
     pub fn dilated_far(&self, reach: &Reach, bounds: &Region) -> Outer {
-        if !reach.whole.fits(self.region()) {
+        let Some((set, last)) = self.before_last_stage(reach) else {
             return Outer::containing(bounds.clone());
-        }
-        let mut paths: Vec<Ring> = self.region().rings().cloned().collect();
-        for (index, stage) in reach.stages.iter().enumerate() {
-            let set = match index {
-                0 => self.clone(),
-                _ => Outer::containing(overlay(&paths, [], RULE::Subject)),
-            };
-            let set = set.simplified(stage.tolerance_m);
-            let rings = set.region().shapes().iter().flat_map(|shape| stage.swept_rings(shape));
-            paths = rings.map(|ring| dilated_path(ring, &stage.disc)).collect();
-        }
+        };
+        let paths = last.paths(&set.simplified(last.tolerance_m));
         Outer::containing(overlay(&paths, bounds.rings(), RULE::Intersect))
+    }
+
+    /// self ⊕ all stages but the last, and that one. `None` if the reach is too large for the grid.
+    pub(super) fn before_last_stage<'r>(&self, reach: &'r Reach) -> Option<(Outer, &'r Stage)> {
+        if !reach.whole.fits(self.region()) {
+            return None;
+        }
+        let (last, stages) = reach.stages.split_last()?;
+        let grown = stages.iter().fold(self.clone(), |set, stage| {
+            let paths = stage.paths(&set.simplified(stage.tolerance_m));
+            Outer::containing(overlay(&paths, [], RULE::Subject))
+        });
+        Some((grown, last))
     }
 }
 
@@ -86,8 +107,14 @@ impl Inner {
 }
 
 impl Stage {
+    /// The raw paths of `set` ⊕ disc.
+    fn paths(&self, set: &Outer) -> Vec<Ring> {
+        let rings = set.region().shapes().iter().flat_map(|shape| self.swept_rings(shape));
+        rings.map(|ring| dilated_path(ring, &self.disc)).collect()
+    }
+
     /// The rings of a shape but for holes that a dilation fills.
-    fn swept_rings<'a>(&self, shape: &'a Shape) -> impl Iterator<Item = &'a Ring> {
+    pub(super) fn swept_rings<'a>(&self, shape: &'a Shape) -> impl Iterator<Item = &'a Ring> {
         let holes: Vec<&Ring> = shape.iter().skip(1).filter(|ring| !self.exceeds(ring)).collect();
         shape.first().into_iter().chain(holes)
     }

@@ -1,8 +1,9 @@
 //! Clear ground.
 
 use csat_proto::camera::CameraView;
-use csat_proto::region::{GridPoint, Region, Ring, grid_point};
+use csat_proto::region::{GridPoint, MAX_COORDINATE_M, Region, Ring, grid_point};
 
+use super::exclusion::HalfPlane;
 use super::outline::UNITS_PER_PX;
 use crate::region::Inner;
 
@@ -14,11 +15,63 @@ use crate::region::Inner;
 /// is in the result by Assumption 7 (Proposition 14).
 pub fn clear_ground(view: &CameraView, outline: &[Ring], ground: &Region) -> Inner {
     let pixels = |units: i32| f64::from(units) / f64::from(UNITS_PER_PX);
-    let on_ground = |p: &GridPoint| view.ground_point(pixels(p.x), pixels(p.y)).map(grid_point);
+    let on_ground = |p: &GridPoint| view.ground_point(pixels(p.x), pixels(p.y));
     // Every corner of a Ground pixel sees the ground; a frame that claims otherwise proves nothing.
-    let mapped: Option<Vec<Ring>> =
-        outline.iter().map(|ring| ring.iter().rev().map(on_ground).collect()).collect();
+    let mapped: Option<Vec<Ring>> = outline
+        .iter()
+        .map(|ring| Some(rounded(ring.iter().rev().map(on_ground).collect::<Option<_>>()?)))
+        .collect();
     // From (column, row) to (east, north) the orientation flips: columns grow to the left of the
     // flight direction, rows along it. Hence the reversal above.
     mapped.map_or_else(Inner::default, |rings| Inner::from_rings(&rings, ground))
+}
+
+/// A ring (`world`, metres) on the grid. What lies beyond the grid is cut off: its edges keep their
+/// directions, as they would not if its corners were moved.
+fn rounded(ring: Vec<[f64; 2]>) -> Ring {
+    let is_beyond = |p: &[f64; 2]| p.iter().any(|x| x.abs() > MAX_COORDINATE_M);
+    let ring = if ring.iter().any(is_beyond) {
+        let normals = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+        let sides = normals.map(|normal| HalfPlane { normal, offset: MAX_COORDINATE_M });
+        sides.iter().fold(ring, |ring, side| side.clip(&ring))
+    } else {
+        ring
+    };
+    ring.into_iter().map(grid_point).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use csat_proto::camera::{CameraModel, Pose};
+
+    use super::*;
+
+    /// A camera that looks to the north-east over 20 km of ground through all of its lowest pixels.
+    #[test]
+    fn what_is_seen_beyond_the_grid_bends_no_edge() {
+        let pose = Pose::level([-300.0, -300.0, 60.0], 0.6);
+        let model = CameraModel { aperture_deg: 70.0, d_max_m: 2e4, ..CameraModel::default() };
+        let view = model.at(&pose);
+        let ground = Region::rectangle([2000.0; 2]);
+        // Up to where the ground is as far away as that.
+        let mut rows = (1..=model.rows).rev();
+        let is_near =
+            |row: &u16| view.ground_point(240.0, f64::from(*row)).is_some_and(|p| p[0] < 15e3);
+        let last = i32::from(rows.find(is_near).expect("ground")) * UNITS_PER_PX;
+        let right = i32::from(model.columns) * UNITS_PER_PX;
+        let corners = [(0, 0), (right, 0), (right, last), (0, last)];
+        let outline = vec![corners.map(|(x, y)| GridPoint::new(x, y)).to_vec()];
+        let clear = clear_ground(&view, &outline, &ground);
+        let (mut inside, mut outside) = (0, 0);
+        for (i, j) in (-99..=99).flat_map(|i| (-99..=99).map(move |j| (i, j))) {
+            let p = [f64::from(i) * 10.0, f64::from(j) * 10.0];
+            let image = view.project(&nalgebra::Vector3::new(p[0], p[1], 0.0));
+            let is_seen = image.is_some_and(|[c, r]| {
+                (0.0..=480.0).contains(&c) && (0.0..=f64::from(last / UNITS_PER_PX)).contains(&r)
+            });
+            assert_eq!(clear.region().contains(p), is_seen, "{p:?}");
+            *(if is_seen { &mut inside } else { &mut outside }) += 1;
+        }
+        assert!(inside > 5000 && outside > 5000, "{inside} {outside}");
+    }
 }

@@ -9,12 +9,19 @@ use crate::region::{Disc, Outer, turn};
 
 /// The longest run of pixels of one row whose hull is taken at once.
 const MAX_RUN: usize = 16;
+/// Up to so many runs each has a hull of its own.
+const MAX_HULLS: usize = 160;
+/// The most tiles of the box, along either side, where there are more runs than that.
+const MAX_TILES: usize = 8;
 
 /// X^{t,m} (4.4), outer: the ground projections of the pyramids of all Target pixels in the box,
 /// dilated by r^t (`cylinder`), in X_g.
 ///
 /// By (3.53) at least one of those pixels shows the target, but not which. Neighbouring pixels of a
-/// row are covered by the convex hull of their pyramids together, which contains each.
+/// row are covered by the convex hull of their pyramids together, which contains each. Dilated, all
+/// hulls of a target overlap, and their union takes time with the square of their number. So a target
+/// seen from so near that it has more than [`MAX_HULLS`] runs is covered by the hulls of tiles of its box,
+/// a fraction of it wide.
 pub fn location(
     view: &CameraView,
     frame: &Frame,
@@ -22,27 +29,88 @@ pub fn location(
     cylinder: &Disc,
     ground: &Region,
 ) -> Outer {
-    let model = view.model();
-    let mut hulls: Vec<Ring> = Vec::new();
-    let last_row = pixels.rows[1].min(model.rows.saturating_sub(1));
-    let last_column = pixels.columns[1].min(model.columns.saturating_sub(1));
-    for row in pixels.rows[0]..=last_row {
-        let mut run: Vec<GridPoint> = Vec::new();
-        let mut length = 0;
-        for column in pixels.columns[0]..=last_column {
-            let index = usize::from(row) * usize::from(model.columns) + usize::from(column);
-            if frame.labels[index] == Label::Target {
-                let depth_m = model.depth_interval_m(frame.depth[index]);
-                run.extend(ground_corners(view, column, row, depth_m).into_iter().map(grid_point));
-                length += 1;
-            }
-            if frame.labels[index] != Label::Target || length == MAX_RUN || column == last_column {
-                hulls.extend(convex_hull(std::mem::take(&mut run)));
-                length = 0;
+    let seen = Seen::new(view, frame, pixels);
+    let runs = seen.runs();
+    let windows = if runs.len() <= MAX_HULLS { runs } else { seen.tiles() };
+    let hulls: Vec<Ring> = windows.iter().filter_map(|window| seen.hull(window)).collect();
+    Outer::around(&hulls, cylinder, ground)
+}
+
+/// The Target pixels in a detection's box.
+struct Seen<'a> {
+    view: &'a CameraView,
+    frame: &'a Frame,
+    /// The part of the box that is in the image; empty where a first index is greater than the last.
+    pixels: PixelBox,
+}
+
+impl<'a> Seen<'a> {
+    fn new(view: &'a CameraView, frame: &'a Frame, pixels: PixelBox) -> Self {
+        let model = view.model();
+        let clipped =
+            |[first, last]: [u16; 2], length: u16| [first, last.min(length.saturating_sub(1))];
+        let columns = clipped(pixels.columns, model.columns);
+        let rows = clipped(pixels.rows, model.rows);
+        Self { view, frame, pixels: PixelBox { columns, rows } }
+    }
+
+    fn index(&self, column: u16, row: u16) -> usize {
+        usize::from(row) * usize::from(self.view.model().columns) + usize::from(column)
+    }
+
+    fn is_target(&self, column: u16, row: u16) -> bool {
+        self.frame.labels[self.index(column, row)] == Label::Target
+    }
+
+    /// The runs of Target pixels, none longer than [`MAX_RUN`], row by row.
+    fn runs(&self) -> Vec<PixelBox> {
+        let PixelBox { columns: [first, last], rows: [bottom, top] } = self.pixels;
+        let mut runs: Vec<PixelBox> = Vec::new();
+        for row in bottom..=top {
+            let mut length = 0;
+            for column in first..=last {
+                if !self.is_target(column, row) {
+                    length = 0;
+                    continue;
+                }
+                match runs.last_mut() {
+                    Some(run) if length > 0 => run.columns[1] = column,
+                    _ => runs.push(PixelBox { columns: [column; 2], rows: [row; 2] }),
+                }
+                length = (length + 1) % MAX_RUN;
             }
         }
+        runs
     }
-    Outer::around(&hulls, cylinder, ground)
+
+    /// The box, cut into tiles.
+    fn tiles(&self) -> Vec<PixelBox> {
+        let cut = |[first, last]: [u16; 2]| {
+            let side = usize::from(last - first + 1).div_ceil(MAX_TILES);
+            (first..=last)
+                .step_by(side)
+                .map(move |start| [start, last.min(start.saturating_add(side as u16 - 1))])
+        };
+        let rows = cut(self.pixels.rows);
+        rows.flat_map(|rows| {
+            cut(self.pixels.columns).map(move |columns| PixelBox { columns, rows })
+        })
+        .collect()
+    }
+
+    /// The convex hull of the ground projections of the pyramids of the Target pixels in a window.
+    fn hull(&self, window: &PixelBox) -> Option<Ring> {
+        let [columns, rows] = [window.columns, window.rows].map(|[first, last]| first..=last);
+        let targets = rows.flat_map(|row| columns.clone().map(move |column| (column, row)));
+        let corners = targets.filter(|&(column, row)| self.is_target(column, row)).flat_map(
+            |(column, row)| {
+                let depth_m =
+                    self.view.model().depth_interval_m(self.frame.depth[self.index(column, row)]);
+                ground_corners(self.view, column, row, depth_m)
+            },
+        );
+        convex_hull(corners.map(grid_point).collect())
+    }
 }
 
 /// The convex hull (counter-clockwise) of points, by Andrew's monotone chain; `None` without points.

@@ -1,7 +1,7 @@
 //! `Grown` is what simplification, dilation and difference are one after the other.
 
-use csat_agent::region::{Disc, Grown, Inner, Outer};
-use csat_proto::region::Region;
+use csat_agent::region::{Disc, Grown, Inner, Outer, Reach};
+use csat_proto::region::{Region, metres};
 use i_overlay::core::overlay_rule::OverlayRule;
 use rand::RngExt;
 
@@ -35,7 +35,8 @@ fn growing_is_simplifying_and_dilating() {
         let disc = Disc::circumscribed(radius_m, vertices);
         let tolerance_m = any_tolerance_m(rng, &region);
         let set = Outer::containing(region);
-        let grown = Grown::new(&set, tolerance_m, &disc, &bounds()).resolved();
+        let grown =
+            Grown::new(&set, tolerance_m, &Reach::at_once(disc.clone()), &bounds()).resolved();
         let simple = set.clone().simplified(tolerance_m);
         let expected = minkowski_sum(simple.region(), disc.corners());
         assert_same(grown.region(), &overlay(&expected, &bounds(), OverlayRule::Intersect));
@@ -51,9 +52,10 @@ fn growing_and_cutting_at_once_changes_nothing() {
         let tolerance_m = any_tolerance_m(rng, &region);
         let parts = parts_about(rng, &region);
         let set = Outer::containing(region);
-        for grown in
-            [Grown::new(&set, tolerance_m, &disc, &bounds()), Grown::still(&set, &bounds())]
-        {
+        for grown in [
+            Grown::new(&set, tolerance_m, &Reach::at_once(disc.clone()), &bounds()),
+            Grown::still(&set, &bounds()),
+        ] {
             let whole = grown.resolved();
             let at_once = grown.minus(&parts).into_region();
             let plain = parts.iter().fold(whole.region().clone(), |left, part| {
@@ -62,6 +64,25 @@ fn growing_and_cutting_at_once_changes_nothing() {
             assert_same(&at_once, &plain);
             let outside = excess_m2(&at_once, &bounds());
             assert!(outside <= ROUNDING_M * perimeter_m(&at_once) + 1e-9);
+        }
+    });
+}
+
+/// A long reach is gone in stages: a little too far, by no more than a far dilation is.
+#[test]
+fn growing_far_contains_the_exact_set_and_little_more() {
+    cases("growing_far_contains_the_exact_set_and_little_more", 400, |rng| {
+        let region = any_region(rng);
+        let (radius_m, vertices) = (rng.random_range(1.0..40.0), 2 * rng.random_range(2..=12));
+        let set = Outer::containing(region);
+        let grown = Grown::new(&set, 1e-3, &Reach::new(radius_m, vertices), &bounds()).resolved();
+        let exact = set.dilated(&Disc::circumscribed(radius_m, vertices), &bounds());
+        let missing_m2 = excess_m2(exact.region(), grown.region());
+        let allowed_m2 = ROUNDING_M * perimeter_m(exact.region()) + 1e-9;
+        assert!(missing_m2 <= allowed_m2, "{missing_m2} m² missing of {radius_m} m");
+        for p in grown.region().rings().flatten() {
+            let beyond_m = exact.region().distance_m(metres(*p));
+            assert!(beyond_m <= 0.75 * radius_m + 0.01, "{beyond_m} m too far for {radius_m} m");
         }
     });
 }
