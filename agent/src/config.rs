@@ -116,6 +116,9 @@ pub struct EstimatorConfig {
     pub simplify_margin_m: f64,
     /// How far corners of the clear ground's outline in the image may be cut, pixels.
     pub outline_tolerance_px: f64,
+    /// The most vertices of a set, known or measured: beyond it outer sets are simplified outward and inner
+    /// ones inward.
+    pub max_vertices: u32,
     /// Cell of the coarse sets (hidden ground, planning), metres.
     pub raster_cell_m: f64,
     /// Cell of the occupancy-elevation map, metres.
@@ -129,6 +132,7 @@ impl Default for EstimatorConfig {
             simplify_m: 0.15,
             simplify_margin_m: 0.25,
             outline_tolerance_px: 1.0,
+            max_vertices: 8000,
             raster_cell_m: 2.0,
             oem_cell_m: 5.0,
         }

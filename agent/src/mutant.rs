@@ -32,6 +32,10 @@ pub enum Mutant {
     OuterShrunkForBudget,
     /// Inner sets are rounded outward to fit a budget.
     InnerGrownForBudget,
+    /// Outer sets are simplified inward to keep within their vertices.
+    OuterShrunkForVertices,
+    /// Inner sets are simplified outward to keep within their vertices.
+    InnerGrownForVertices,
     /// The map takes over whatever was said last.
     OemLastWriter,
     /// An earlier life of an agent is still believed.
@@ -64,7 +68,7 @@ pub enum Mutant {
 
 impl Mutant {
     /// All of them.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 28] = [
         Self::LateSnapshotNotDilated,
         Self::UnexploredWithoutIdentified,
         Self::ExclusionWithoutDetection,
@@ -77,6 +81,8 @@ impl Mutant {
         Self::NoPrediction,
         Self::OuterShrunkForBudget,
         Self::InnerGrownForBudget,
+        Self::OuterShrunkForVertices,
+        Self::InnerGrownForVertices,
         Self::OemLastWriter,
         Self::StaleIncarnationAccepted,
         Self::SequenceReused,

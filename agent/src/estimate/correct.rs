@@ -50,9 +50,10 @@ pub(super) fn correct(knowledge: &mut Knowledge, predicted: &Predicted, evidence
                     .minus(disproved(Some(j)))
             }
         };
-        targets.insert(j, set);
+        targets.insert(j, knowledge.limited(set));
     }
-    knowledge.unexplored = predicted.unexplored.minus(disproved(None)); // (4.29)
+    let unexplored = predicted.unexplored.minus(disproved(None)); // (4.29)
+    knowledge.unexplored = knowledge.limited(unexplored);
     knowledge.targets = targets;
 }
 

@@ -35,6 +35,7 @@ pub struct Knowledge {
     views_from: Step,
     ground: Region,
     simplify_margin_m: f64,
+    max_vertices: usize,
 }
 
 impl Knowledge {
@@ -51,6 +52,7 @@ impl Knowledge {
             recent_views: VecDeque::new(),
             views_from: Step(0),
             simplify_margin_m: config.estimator.simplify_margin_m,
+            max_vertices: config.estimator.max_vertices as usize,
             ground,
         }
     }
@@ -65,12 +67,18 @@ impl Knowledge {
         self.targets.get(&target).unwrap_or(&self.unexplored)
     }
 
+    /// An outer set within X_g of no more vertices than sets may have.
+    pub(super) fn limited(&self, set: Outer) -> Outer {
+        set.limited(self.max_vertices, &self.ground)
+    }
+
     /// X° ∪= parts (4.28), simplified inward.
     pub(super) fn learn_margin<'a>(&mut self, parts: impl IntoIterator<Item = &'a Inner>) {
         let new: Vec<&Inner> = parts.into_iter().filter(|part| !part.is_empty()).collect();
         if !new.is_empty() {
             let margin = std::mem::take(&mut self.margin);
-            self.margin = margin.absorbing(&new, self.simplify_margin_m);
+            let margin = margin.absorbing(&new, self.simplify_margin_m);
+            self.margin = margin.limited(self.max_vertices);
         }
     }
 

@@ -8,8 +8,8 @@
 //! | `Outer ∩ Outer` | `Outer` |
 //! | `Outer \ Inner` | `Outer` |
 //! | `Inner ∪ Inner` | `Inner` |
-//! | [`Outer::dilated`], [`Outer::simplified`] | `Outer` |
-//! | [`Inner::eroded`], [`Inner::simplified`] | `Inner` |
+//! | [`Outer::dilated`], [`Outer::simplified`], [`Outer::limited`] | `Outer` |
+//! | [`Inner::eroded`], [`Inner::simplified`], [`Inner::limited`] | `Inner` |
 //!
 //! `Outer \ Outer` does not exist: what would break the guarantee does not compile.
 //!
@@ -33,6 +33,7 @@ mod boolean;
 mod disc;
 mod grown;
 mod inner;
+mod limit;
 mod outer;
 mod reach;
 mod simplify;

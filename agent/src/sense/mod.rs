@@ -119,11 +119,16 @@ impl Sensor {
         if self.config.guidance.criterion != Criterion::Str1 {
             let oem_grid = self.config.oem_grid();
             let found = self.margins.measure(&view, frame, &self.ground);
-            measured.obstacle_margin = found.margin;
+            measured.obstacle_margin = found.margin.limited(self.max_vertices());
             measured.oem = found.occupied;
             measured.oem.extend(hidden::empty_cells(&view, frame, oem_grid));
         }
         measured
+    }
+
+    /// A budget that what is said of a frame keeps to, too: others apply what the sender applies.
+    fn max_vertices(&self) -> usize {
+        self.config.estimator.max_vertices as usize
     }
 
     fn clear_ground(&self, view: &CameraView, frame: &Frame) -> Inner {
@@ -132,7 +137,7 @@ impl Sensor {
         let outline =
             outline::ground_outline(&frame.labels, model.columns.into(), model.rows.into());
         let outline = outline::simplified_inward(&outline, tolerance_px);
-        clear::clear_ground(view, &outline, &self.ground)
+        clear::clear_ground(view, &outline, &self.ground).limited(self.max_vertices())
     }
 
     fn targets(
@@ -146,7 +151,8 @@ impl Sensor {
         let measure = |detection: &csat_proto::frame::Detection| {
             let location =
                 target::location(view, frame, detection.pixels, &self.cylinder, &self.ground)
-                    .simplified(self.config.estimator.simplify_m);
+                    .simplified(self.config.estimator.simplify_m)
+                    .limited(self.max_vertices(), &self.ground);
             // X^t, of which little is left but the car and its shadow.
             let closer = location.minus([clear_ground]);
             let exclusion = exclusion::exclusion(&closer, knowledge.target_distance_m, vertices);

@@ -40,12 +40,13 @@ const MAX_TIME_S: f64 = 1e6;
 
 /// The keys of whole numbers with what they may be: said in the same words to whoever writes 0, -1, 1.5
 /// and a million.
-const WHOLE_NUMBERS: [(&str, RangeInclusive<u64>, &str); 10] = [
+const WHOLE_NUMBERS: [(&str, RangeInclusive<u64>, &str); 11] = [
     ("agents.count", 1..=1024, "a whole number from 1 to 1024"),
     ("targets.count", 0..=1024, "a whole number from 0 to 1024"),
     ("camera.columns", 1..=65535, "a whole number from 1 to 65535"),
     ("camera.rows", 1..=65535, "a whole number from 1 to 65535"),
     ("camera.min_pixels", 1..=u64::MAX, "a whole number above 0"),
+    ("estimator.max_vertices", 50..=1_000_000, "a whole number from 50 to 1000000"),
     ("guidance.n_mpc", 1..=6, "a whole number from 1 to 6"),
     ("guidance.str4.n_mpc", 1..=32, "a whole number from 1 to 32"),
     ("guidance.str4.beam", 1..=1024, "a whole number from 1 to 1024"),
@@ -379,6 +380,7 @@ fn estimator(check: &mut Check, estimator: &EstimatorConfig, size_m: [f64; 2]) {
         &vertices.to_string(),
         "an even number from 4 to 256",
     );
+    check.whole("estimator.max_vertices", estimator.max_vertices);
     check.not_negative("estimator.simplify_m", estimator.simplify_m);
     check.not_negative("estimator.simplify_margin_m", estimator.simplify_margin_m);
     check.not_negative("estimator.outline_tolerance_px", estimator.outline_tolerance_px);
