@@ -92,16 +92,21 @@ impl AgentConfig {
     /// The camera as guidance sees it. Rays and windows are laid out for all of its d_max, so it looks no
     /// farther than there is ground to see: all of X_g from twice its diagonal away.
     pub fn planning_camera(&self) -> CameraModel {
-        let [east, north] = self.ground.size_m;
-        let ends = [0, self.fleet.count.saturating_sub(1)].map(|i| self.fleet.altitude_of(i));
-        let farthest_m = (2.0 * east.hypot(north)).hypot(ends[0].max(ends[1]));
-        CameraModel { d_max_m: self.camera.d_max_m.min(farthest_m), ..self.camera }
+        planning_camera(self.camera, &self.ground, &self.fleet)
     }
 
     /// The grid of the occupancy-elevation map.
     pub fn oem_grid(&self) -> Grid {
         Grid::covering(&self.ground, self.estimator.oem_cell_m)
     }
+}
+
+/// [`AgentConfig::planning_camera`] of agents that share `camera`.
+pub fn planning_camera(camera: CameraModel, ground: &Ground, fleet: &FleetModel) -> CameraModel {
+    let [east, north] = ground.size_m;
+    let ends = [0, fleet.count.saturating_sub(1)].map(|i| fleet.altitude_of(i));
+    let farthest_m = (2.0 * east.hypot(north)).hypot(ends[0].max(ends[1]));
+    CameraModel { d_max_m: camera.d_max_m.min(farthest_m), ..camera }
 }
 
 /// `[estimator]`: how sets are computed and kept small. Nothing here can break the guarantee.

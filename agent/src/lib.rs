@@ -11,6 +11,7 @@
 //! | [`exchange`] | what is said, and what of the others is believed |
 //! | [`guidance`] | where to fly next |
 //! | [`mutant`] | known mistakes, for tests of the tests |
+//! | [`work`] | counts of work, for tests of cost |
 
 pub mod agent;
 pub mod commons;
@@ -21,3 +22,4 @@ pub mod guidance;
 pub mod mutant;
 pub mod region;
 pub mod sense;
+pub mod work;

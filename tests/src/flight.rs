@@ -37,10 +37,15 @@ impl Flight {
     /// # Panics
     /// When the scenario has no world.
     pub fn new(scenario: &Scenario) -> Self {
+        let world = world_of(scenario).unwrap_or_else(|e| panic!("seed {}: {e}", scenario.seed));
+        Self::in_world(scenario, world)
+    }
+
+    /// The same in a world that was made already.
+    pub fn in_world(scenario: &Scenario, world: World) -> Self {
         let mission = SetMembership::new(scenario);
         let agents =
             (0..scenario.agents.count).map(|i| mission.agent(AgentId(i), Incarnation(0))).collect();
-        let world = world_of(scenario).unwrap_or_else(|e| panic!("seed {}: {e}", scenario.seed));
         Self {
             renderers: vec![Renderer::new(scenario.camera); world.poses().len()],
             pair: Pair::new(agents),

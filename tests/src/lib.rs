@@ -9,9 +9,11 @@
 //! | [`pair`] | agents and a post office that loses, delays, repeats and reorders |
 //! | [`flight`] | a small world around a pair |
 //! | [`swarm`] | missions with every fault, drawn from one seed, and what must hold in them |
+//! | [`drawn`] | legal scenarios of every kind, extreme ones too, drawn from one seed |
 //! | [`fuzz`] | what fuzzers do with arbitrary bytes |
 //! | [`missions`] | whole missions through the engine |
 
+pub mod drawn;
 pub mod flight;
 pub mod fuzz;
 pub mod geometry;

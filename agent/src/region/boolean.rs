@@ -6,6 +6,8 @@ use i_overlay::core::overlay::{Overlay, ShapeType};
 pub(crate) use i_overlay::core::overlay_rule::OverlayRule as RULE;
 use i_overlay::core::solver::{Precision, Solver, Strategy};
 
+use crate::work::note_edges;
+
 /// In round i of resolving crossings the engine snaps them to edge ends within 2^(2i) units.
 ///
 /// Rounding a crossing to the grid bends edges by up to a unit, which may make them cross elsewhere,
@@ -41,6 +43,7 @@ pub(crate) fn overlay<'a>(
         overlay.add_contour(ring, side);
         edges += ring.len();
     }
+    note_edges(edges);
     let strategy = if edges <= LIST_UP_TO { Strategy::List } else { Strategy::Auto };
     overlay.solver = Solver::with_strategy_and_precision(strategy, PRECISION);
     Region::from_shapes(overlay.overlay(rule, FillRule::Positive))

@@ -48,6 +48,11 @@ impl Disc {
         &self.corners
     }
 
+    /// How far it goes, metres.
+    pub(super) fn reach_m(&self) -> f64 {
+        f64::from(self.reach) / UNITS_PER_M
+    }
+
     /// Whether the disc about any point of `region` stays within what can be computed with.
     pub(super) fn fits(&self, region: &Region) -> bool {
         region.bounds().is_none_or(|bounds| self.fits_about(&bounds))

@@ -17,10 +17,12 @@ use csat_proto::region::{GridPoint, Ring};
 
 use super::Disc;
 use super::vector::Vector;
+use crate::work::note_swept;
 
 /// The raw path of `ring ⊕ disc`; to be filled where the winding number is positive. The disc must
 /// [fit](Disc::fits) about every point of the ring, which may repeat points, or be just one.
 pub(super) fn dilated_path(ring: &[GridPoint], disc: &Disc) -> Ring {
+    note_swept(ring.len(), disc.reach_m());
     let corners = disc.corners();
     let mut path = Ring::with_capacity(ring.len() * 3 + corners.len());
     let n = ring.len();

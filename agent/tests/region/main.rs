@@ -8,6 +8,7 @@ mod disc;
 mod erode;
 mod grown;
 mod growth;
+mod limit;
 mod limits;
 mod oracle;
 mod reach;

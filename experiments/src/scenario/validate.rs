@@ -2,6 +2,7 @@
 //!
 //! The town's own values (`map.*`) are judged by `csat-world` when it makes the town.
 
+mod cost;
 mod exchange;
 
 use std::ops::RangeInclusive;
@@ -79,6 +80,9 @@ pub fn validate(scenario: &Scenario) -> Vec<Issue> {
         room_to_turn(&mut check, scenario);
     }
     exchange::judge(&mut check, &scenario.exchange, &scenario.netem, period_s);
+    if check.0.iter().all(|issue| issue.is_warning) {
+        cost::judge(&mut check, scenario, period_s);
+    }
     for (key, what) in scenario.netem.mistakes(scenario.agent_count()) {
         let key = format!("netem.{key}");
         let key = key.trim_end_matches('.');

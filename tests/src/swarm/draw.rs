@@ -1,6 +1,6 @@
 //! Seed to scenario: every fault has a rate of its own, often 0.
 
-use csat_agent::config::{ExchangeMode, Schedule};
+use csat_agent::config::{EstimatorConfig, ExchangeMode, Schedule};
 use csat_experiments::scenario::Scenario;
 use csat_netem::config::{
     DelayConfig, JammerConfig, LossConfig, NetemConfig, OutageConfig, OutageKind, PartitionConfig,
@@ -51,6 +51,10 @@ impl Draw {
         if rng.random_bool(0.5) {
             scenario.targets.driving = Driving::Evasive;
         }
+        // Now and then sets have more vertices than they may.
+        if rng.random_bool(0.2) {
+            scenario.estimator.max_vertices = rng.random_range(50..120);
+        }
         Self { scenario, steps: STEPS, healed, core, settle_steps, handicaps }
     }
 
@@ -77,6 +81,12 @@ impl Draw {
         matches!(exchange.mode, ExchangeMode::FactsRepair | ExchangeMode::Snapshot)
             && exchange.budget_bytes_s.is_infinite()
             && exchange.clock_skew_s == 0.0
+    }
+
+    /// Whether sets are kept as precise as they are known: what is simplified to have few vertices is
+    /// simplified otherwise by each.
+    pub fn is_precise(&self) -> bool {
+        self.scenario.estimator.max_vertices == EstimatorConfig::default().max_vertices
     }
 
     /// Whether each of the core says what it knows while it settles, whatever digests tell.
