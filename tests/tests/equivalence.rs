@@ -21,6 +21,35 @@ fn fleet(seed: u64, mode: ExchangeMode) -> Flight {
     Flight::scripted(&with_mode(small(seed, 120.0, 3), mode), sweep)
 }
 
+/// However few vertices sets may have: all simplify the same sets at the same time.
+#[test]
+fn limited_to_few_vertices_they_give_the_same_bits_to_all_too() {
+    for seed in 0..3 {
+        let limited = |mode, vertices| {
+            let mut scenario = with_mode(small(seed, 120.0, 3), mode);
+            scenario.estimator.max_vertices = vertices;
+            Flight::scripted(&scenario, sweep)
+        };
+        let mut flights = MODES.map(|mode| limited(mode, 80));
+        let mut free = limited(ExchangeMode::Facts, 8000);
+        for step in 0..=STEPS / 2 {
+            free.step();
+            for flight in &mut flights {
+                flight.step();
+                flight.check_guarantee();
+            }
+            let fleets = flights.each_ref().map(|flight| flight.pair.digests());
+            let same = fleets.iter().flatten().all(|digest| *digest == fleets[0][0]);
+            assert!(same, "seed {seed} step {step}: {fleets:?}");
+        }
+        flights.iter().for_each(Flight::check_consistency);
+        let vertices =
+            |flight: &Flight| flight.pair.agent(0).knowledge().unexplored.region().vertex_count();
+        assert!(vertices(&free) > 80 && vertices(&flights[0]) < vertices(&free), "seed {seed}");
+        assert!(unexplored_share(&flights[0], 0) > unexplored_share(&free, 0), "seed {seed}");
+    }
+}
+
 fn unexplored_share(flight: &Flight, agent: usize) -> f64 {
     let knowledge = flight.pair.agent(agent).knowledge();
     knowledge.unexplored.region().area_m2() / knowledge.ground().area_m2()

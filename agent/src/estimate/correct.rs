@@ -50,10 +50,9 @@ pub(super) fn correct(knowledge: &mut Knowledge, predicted: &Predicted, evidence
                     .minus(disproved(Some(j)))
             }
         };
-        targets.insert(j, knowledge.limited(set));
+        targets.insert(j, set);
     }
-    let unexplored = predicted.unexplored.minus(disproved(None)); // (4.29)
-    knowledge.unexplored = knowledge.limited(unexplored);
+    knowledge.unexplored = predicted.unexplored.minus(disproved(None)); // (4.29)
     knowledge.targets = targets;
 }
 

@@ -29,6 +29,9 @@ pub struct Predicted {
 pub struct Predictor {
     reach: Reach,
     simplify_m: f64,
+    /// Sets that grow have no more vertices. They are limited here, not where they are cut: merging what
+    /// others said in any order makes the same sets.
+    max_vertices: usize,
     hidden_steps: u32,
 }
 
@@ -46,6 +49,7 @@ impl Predictor {
         Self {
             reach: Reach::new(shrunk * radius_m, vertices),
             simplify_m: config.estimator.simplify_m.max(SLIVER_M),
+            max_vertices: config.estimator.max_vertices as usize,
             hidden_steps: (horizon_s / config.period_s).round() as u32,
         }
     }
@@ -91,7 +95,11 @@ impl Predictor {
     }
 
     fn grown(&self, knowledge: &Knowledge) -> Predicted {
-        let grown = |set: &Outer| Grown::new(set, self.simplify_m, &self.reach, knowledge.ground());
+        let ground = knowledge.ground();
+        let grown = |set: &Outer| {
+            let set = set.clone().limited(self.max_vertices, ground);
+            Grown::new(&set, self.simplify_m, &self.reach, ground)
+        };
         let targets = knowledge.targets.iter();
         Predicted {
             targets: targets.map(|(&j, set)| (j, grown(set))).collect(),

@@ -67,11 +67,6 @@ impl Knowledge {
         self.targets.get(&target).unwrap_or(&self.unexplored)
     }
 
-    /// An outer set within X_g of no more vertices than sets may have.
-    pub(super) fn limited(&self, set: Outer) -> Outer {
-        set.limited(self.max_vertices, &self.ground)
-    }
-
     /// X° ∪= parts (4.28), simplified inward.
     pub(super) fn learn_margin<'a>(&mut self, parts: impl IntoIterator<Item = &'a Inner>) {
         let new: Vec<&Inner> = parts.into_iter().filter(|part| !part.is_empty()).collect();

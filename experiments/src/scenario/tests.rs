@@ -580,3 +580,33 @@ fn buildings_may_be_higher_than_flights_that_go_around_them() {
     let error = load(&gentle).unwrap_err().to_string();
     assert!(error.contains("a turn in which a UAV needs at most 50 m"), "{error}");
 }
+
+/// What is surely slower than real time is told with the value that makes it so, before it flies.
+#[test]
+fn what_is_slower_than_real_time_is_a_warning() {
+    let warning = |sets: &[&str]| {
+        let warnings = load_with("city", sets).unwrap().warnings;
+        warnings.iter().map(|w| w.render("warning")).collect::<String>()
+    };
+    let images = warning(&["camera.columns=4000", "camera.rows=3000", "agents.count=8"]);
+    let start = "warning: images of 4000 x 3000 pixels take 8 agents about 0.24 s each every 0.5 s: \
+                 slower than real time\n";
+    assert!(images.starts_with(start), "{images}");
+    assert!(images.contains("so about 0.52 times real time on 2 cores"), "{images}");
+    let looks = warning(&["guidance.n_mpc=6"]);
+    let start =
+        "warning: 39060 looks ahead on 62500 cells take 4 agents about 1.56 s each every 3 s";
+    assert!(looks.starts_with(start), "{looks}");
+    assert_eq!(warning(&[]), "");
+}
+
+/// Rays take memory with the square of the cells they go through.
+#[test]
+fn a_raster_too_fine_for_how_far_guidance_looks_is_a_mistake() {
+    let message = set_mistake(&["estimator.raster_cell_m=0.125"]);
+    let start = "error: `estimator.raster_cell_m` cannot be 0.125\n";
+    assert!(message.starts_with(start), "{message}");
+    assert!(message.contains("at least 0.146 m: guidance looks 300 m far, at most 2048 cells"));
+    // It looks no farther than there is ground, however far cameras do.
+    assert!(load_with("city", &["camera.d_max_m=1e6"]).is_ok());
+}
