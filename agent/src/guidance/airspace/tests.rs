@@ -242,10 +242,9 @@ fn plans_keep_to_what_may_be_flown() {
         assert!(ways.is_safe(decision.increments_rad[0]), "{criterion:?}: {decision:?}");
         assert!(ways.behind(decision.increments_rad[0]).is_some());
         let free = Planner::new(&config).plan(&scene.picture(), &pose, &[]);
-        let blocks = free.poses.iter().zip(&free.increments_rad[1..]);
+        let mut blocks = free.poses.iter().zip(&free.increments_rad[1..]);
         let meets_wall = |(pose, turn): (&Pose, &f64)| !ways.is_open(pose, *turn);
-        blind +=
-            u32::from(!ways.is_safe(free.increments_rad[0]) || blocks.map(meets_wall).any(|x| x));
+        blind += u32::from(!ways.is_safe(free.increments_rad[0]) || blocks.any(meets_wall));
         for (pose, turn) in decision.poses.iter().zip(&decision.increments_rad[1..]) {
             assert!(ways.is_open(pose, *turn), "{criterion:?} plans through the wall");
         }

@@ -23,8 +23,10 @@ pub(super) fn judge(check: &mut Check, scenario: &Scenario, period_s: Option<f64
     let cell_m = scenario.estimator.raster_cell_m;
     let camera = planning_camera(scenario.camera, &scenario.ground(), &scenario.agents);
     let reach_m = camera.d_max_m;
+    // A cell that is no number is refused elsewhere.
+    let is_too_fine = reach_m / cell_m > MAX_REACH_CELLS;
     check.that(
-        !(reach_m / cell_m > MAX_REACH_CELLS),
+        !is_too_fine,
         &["estimator.raster_cell_m", "camera.d_max_m", "map.size_m"],
         &cell_m.to_string(),
         &format!(
