@@ -303,7 +303,8 @@ impl SetMembershipAgent {
         *self.rejected.entry(reason).or_default() += 1;
         if self.reported.insert((reason, from)) {
             let (step, detail) = (self.knowledge.step, rejection.to_string());
-            tracing::warn!(agent = %self.config.id, ?from, reason, detail, "dropped");
+            // Links that damage messages make many of these: the terminal gets their sum at the end.
+            tracing::info!(agent = %self.config.id, ?from, reason, detail, "dropped");
             self.events.push_back(Event::Rejected { step, from, reason: reason.into(), detail });
         }
     }

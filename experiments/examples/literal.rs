@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use csat_agent::sense::{Measured, Sensor};
-use csat_experiments::view;
+use csat_experiments::rounding;
 use csat_proto::frame::Frame;
 use recorded::Moment;
 use serde_json::{Value, json};
@@ -69,12 +69,12 @@ fn write(folder: &Path, name: &str, moment: &Moment) -> Result<(), Box<dyn Error
 }
 
 fn ours(measured: &Measured, first_ms: f64, flying_ms: f64) -> Value {
-    let targets = measured.targets.iter().map(|t| view::shapes(t.location.region()));
+    let targets = measured.targets.iter().map(|t| rounding::shapes(t.location.region()));
     json!({
         "first_frame_ms": first_ms,
         "in_flight_ms": flying_ms,
-        "clear_ground": view::shapes(measured.clear_ground.region()),
-        "obstacle_margin": view::shapes(measured.obstacle_margin.region()),
+        "clear_ground": rounding::shapes(measured.clear_ground.region()),
+        "obstacle_margin": rounding::shapes(measured.obstacle_margin.region()),
         "targets": targets.collect::<Vec<_>>(),
     })
 }

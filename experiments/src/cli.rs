@@ -153,7 +153,7 @@ pub struct RunArguments {
     /// The run folder, which must be new or empty [default: runs/SCENARIO-seedN, numbered]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Print the summary as JSON on stdout, and nothing else there
+    /// Print the summary, with the run folder as `folder`, as JSON on stdout, and nothing else there
     #[arg(long)]
     pub json: bool,
     /// Threads to use; the result is the same for any number [default: one per core]

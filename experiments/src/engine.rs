@@ -344,6 +344,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             let known = self.mission.step(report);
             let Some(targets) = truth_at(&self.truths, known) else {
                 tracing::warn!(agent = %flown.agent, %known, %step, "a report too late to check");
+                self.monitor.miss_agent();
                 continue;
             };
             let told = Told(&self.mission, report);
@@ -365,3 +366,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
 fn truth_at(truths: &VecDeque<(Step, Vec<TargetTruth>)>, step: Step) -> Option<&[TargetTruth]> {
     truths.iter().find(|(of, _)| *of == step).map(|(_, targets)| targets.as_slice())
 }
+
+#[cfg(test)]
+#[path = "engine_tests.rs"]
+mod tests;

@@ -23,8 +23,10 @@
 //! | [`record`] | writes a run down while it flies |
 //! | [`show`] | what people get to see: documents, recordings, replays |
 //! | [`run_folder`] | a folder that is whole or not there |
+//! | [`outputs`] | what the columns and fields of its files mean |
 //! | [`provenance`] | where a run comes from |
 //! | [`view`] | the end of a mission, to be drawn |
+//! | [`rounding`] | sets and outlines to the millimetre, and valid polygons still |
 //! | [`plot`] | `map.svg` and `metrics.svg` |
 //! | [`progress`], [`logs`] | what shows while it flies |
 //! | [`watch`] | a live map in the browser |
@@ -45,6 +47,7 @@ pub mod fleet;
 pub mod logs;
 pub mod metrics;
 pub mod mission;
+pub mod outputs;
 pub mod passages;
 pub mod plot;
 pub mod plug;
@@ -55,6 +58,7 @@ pub mod published;
 pub mod record;
 pub mod report;
 pub mod reproduce;
+pub mod rounding;
 pub mod run_folder;
 pub mod scenario;
 pub mod seat;

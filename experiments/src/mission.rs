@@ -9,7 +9,7 @@ use csat_netem::config::TraceLevel;
 use csat_netem::counters::Counters;
 use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::time::Step;
-use csat_world::truth::Fault;
+use csat_world::truth::{Fault, Violation};
 use csat_world::world::World;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -148,14 +148,11 @@ pub fn run_fleet<F: Fleet<SetMembership>>(
 
 /// The part of the picture that does not move.
 fn still_view(name: &str, scenario: &Scenario, world: &World) -> View {
-    let buildings = world.obstacles().iter();
     View {
         scenario: name.to_owned(),
         seed: scenario.seed,
         size_m: scenario.map.size_m,
-        obstacles: buildings
-            .map(|o| Building { rings: o.rings().collect(), height_m: o.height_m })
-            .collect(),
+        obstacles: world.obstacles().iter().flat_map(Building::of).collect(),
         roads: world.roads().edges().iter().map(|edge| edge.line.clone()).collect(),
         uavs: vec![UavTrack::default(); usize::from(scenario.agents.count)],
         stations: scenario.stations.clone(),
@@ -184,15 +181,24 @@ struct AgentLine<'a, E> {
     agent: AgentId,
     #[serde(flatten)]
     event: &'a E,
+    time_s: f64,
 }
 
 /// A line of `events.jsonl`: something that must never happen did.
-#[derive(Serialize)]
-struct ViolationLine<'a> {
+#[derive(Debug, Serialize)]
+pub struct ViolationLine<'a> {
     event: &'static str,
-    step: u32,
+    step: Step,
+    time_s: f64,
     #[serde(flatten)]
     fault: &'a Fault,
+}
+
+impl<'a> ViolationLine<'a> {
+    /// What the monitor found, at this simulated time in seconds.
+    pub fn new(violation: &'a Violation, time_s: f64) -> Self {
+        Self { event: "violation", step: violation.step, time_s, fault: &violation.fault }
+    }
 }
 
 impl<M: Mission, F: Fleet<M>> Flight<M, F> {
@@ -220,10 +226,10 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
         for step in 0..=self.steps {
             let detail = audience.wants(Step(step));
             let trace = self.engine.try_step(detail).map_err(FlightError::Fleet)?;
-            self.record_events(&trace, recorder)?;
             let time_s = f64::from(step) * self.period_s;
+            self.record_events(&trace, time_s, recorder)?;
             let rows = self.measure(&trace, time_s);
-            let violations = self.engine.monitor().counts().total();
+            let violations = self.engine.monitor().counts().total().violations;
             recorder.step(&rows, violations)?;
             self.draw_tracks();
             let world = self.engine.world();
@@ -240,22 +246,22 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
     fn record_events(
         &mut self,
         trace: &StepTrace<M>,
+        time_s: f64,
         recorder: &mut Recorder,
     ) -> Result<(), RecordError> {
         let step = trace.step.0;
         for (agent, event) in &trace.events {
             self.inconsistencies += u64::from(self.mission.is_inconsistency(event));
-            recorder.event(&AgentLine { agent: *agent, event })?;
+            recorder.event(&AgentLine { agent: *agent, event, time_s })?;
         }
         for (agent, event) in &trace.lives {
-            recorder.event(&AgentLine { agent: *agent, event })?;
+            recorder.event(&AgentLine { agent: *agent, event, time_s })?;
         }
         for line in passage_lines(step, &trace.passages, self.trace) {
             recorder.event(&line)?;
         }
         for violation in &trace.violations {
-            let fault = &violation.fault;
-            recorder.event(&ViolationLine { event: "violation", step, fault })?;
+            recorder.event(&ViolationLine::new(violation, time_s))?;
         }
         Ok(())
     }
@@ -360,7 +366,8 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
             steps,
             sim_s,
             interrupted,
-            violations: self.engine.monitor().counts().total(),
+            checked: self.engine.monitor().counts().clone(),
+            unchecked: self.engine.monitor().unchecked(),
             inconsistencies: self.inconsistencies,
             bytes_sent: counters.bytes_sent,
             messages: messages(&counters, self.engine.tally()),

@@ -17,6 +17,8 @@ pub enum PassageLine {
     Drop {
         /// The step it was sent in.
         step: u32,
+        /// When it was sent, simulated seconds.
+        time_s: f64,
         /// The sender.
         src: AgentId,
         /// The receivers.
@@ -32,6 +34,8 @@ pub enum PassageLine {
     Delivery {
         /// The step it was sent in.
         step: u32,
+        /// When it was sent, simulated seconds.
+        time_s: f64,
         /// The sender.
         src: AgentId,
         /// The receivers.
@@ -75,11 +79,13 @@ fn line(
     duplicate: bool,
 ) -> PassageLine {
     let &Sent { src, channel, sequence, .. } = sent;
+    let time_s = sent.time.seconds();
     let dst = vec![sent.dst];
     match copy {
-        Err(reason) => PassageLine::Drop { step, src, dst, channel, sequence, reason },
+        Err(reason) => PassageLine::Drop { step, time_s, src, dst, channel, sequence, reason },
         Ok(delivery) => PassageLine::Delivery {
             step,
+            time_s,
             src,
             dst,
             channel,
@@ -147,10 +153,14 @@ pub struct LinkRow {
     pub in_flight: u64,
     /// Bytes handed over.
     pub bytes_sent: u64,
+    /// Bytes that arrived, those of copies and of damaged messages among them.
+    pub bytes_delivered: u64,
     /// The mean delay of what arrived, seconds.
     pub mean_delay_s: Option<f64>,
     /// The mean distance over which messages were sent, metres.
     pub mean_distance_m: Option<f64>,
+    /// Lost: the scenario has no such radio.
+    pub dropped_no_channel: u64,
     /// Lost: the sender was out, or the receiver.
     pub dropped_outage: u64,
     /// Lost: the ends were kept apart.
@@ -183,8 +193,10 @@ impl LinkRow {
             corrupted: counts.corrupted,
             in_flight: counts.in_flight,
             bytes_sent: counts.bytes_sent,
+            bytes_delivered: counters.bytes_delivered,
             mean_delay_s: counters.mean_delay_s(),
             mean_distance_m: counters.mean_distance_m(),
+            dropped_no_channel: dropped(Reason::NoChannel),
             dropped_outage: dropped(Reason::Outage),
             dropped_partition: dropped(Reason::Partition),
             dropped_range: dropped(Reason::Range),
@@ -242,7 +254,7 @@ mod tests {
         assert_eq!(losses.len(), 3, "{losses:#?}");
         assert_eq!(
             losses[0],
-            r#"{"event":"drop","step":6,"src":0,"dst":[1,3],"channel":0,"sequence":7,"reason":"range"}"#
+            r#"{"event":"drop","step":6,"time_s":3.0,"src":0,"dst":[1,3],"channel":0,"sequence":7,"reason":"range"}"#
         );
         assert_eq!(text(TraceLevel::All).len(), 5);
         assert!(text(TraceLevel::All)[2].contains(r#""delay_s":1.5"#));

@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use csat_proto::model::Station;
+use csat_world::truth::CheckCounts;
 use serde::Serialize;
 
 use crate::fleet::Frames;
 use crate::metrics::{Role, StepRecord};
+use crate::outputs::link_columns;
 use crate::passages::LinkRow;
 use crate::plot;
 use crate::progress::Progress;
@@ -60,8 +62,10 @@ pub struct Outcome {
     pub sim_s: f64,
     /// Whether it was ended early.
     pub interrupted: bool,
-    /// Failures of the guarantee and of the other things that the monitor proves.
-    pub violations: u64,
+    /// What the monitor checked and found broken.
+    pub checked: CheckCounts,
+    /// Reports that came too late to be checked.
+    pub unchecked: u64,
     /// `inconsistent` events.
     pub inconsistencies: u64,
     /// What became of the messages.
@@ -219,6 +223,7 @@ impl Recorder {
         let wall_s = self.watch.elapsed_s();
         let series = &self.curves.fleet;
         let last = series.0.last().copied().unwrap_or_default();
+        let checked = outcome.checked.total();
         Summary {
             scenario: self.scenario.clone(),
             seed: self.seed,
@@ -227,7 +232,10 @@ impl Recorder {
             thesis_setting: self.thesis_setting,
             steps: outcome.steps,
             interrupted: outcome.interrupted,
-            violations: outcome.violations,
+            violations: checked.violations,
+            checks: checked.checks,
+            unchecked: outcome.unchecked,
+            checked: outcome.checked.clone(),
             inconsistencies: outcome.inconsistencies,
             identified: last.identified_union,
             all_identified_s: series.all_identified_s(self.targets),
@@ -275,6 +283,9 @@ impl Recorder {
 fn links_csv(rows: &[LinkRow]) -> Result<String, RecordError> {
     let error = |error| RecordError::Csv { path: "links.csv".into(), error };
     let mut writer = csv::Writer::from_writer(Vec::new());
+    if rows.is_empty() {
+        writer.write_record(link_columns()).map_err(error)?;
+    }
     rows.iter().try_for_each(|row| writer.serialize(row)).map_err(error)?;
     let bytes = writer.into_inner().expect("a vector takes everything");
     Ok(String::from_utf8(bytes).expect("numbers are text"))

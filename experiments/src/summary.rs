@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use csat_world::truth::CheckCounts;
 use serde::{Deserialize, Serialize};
 
 use crate::fleet::Frames;
@@ -29,8 +30,17 @@ pub struct Summary {
     pub steps: u32,
     /// Whether the user ended the run early.
     pub interrupted: bool,
-    /// Failures of the guarantee (`spec/sets.md`), found from outside.
+    /// Failures of what is promised, found from outside.
     pub violations: u64,
+    /// Of how many checks.
+    #[serde(default)]
+    pub checks: u64,
+    /// Reports of agents that came too late to be checked: in real time only.
+    #[serde(default)]
+    pub unchecked: u64,
+    /// Checks and violations by promise.
+    #[serde(default)]
+    pub checked: CheckCounts,
     /// Sets that turned out empty: an assumption failed or somebody lied.
     pub inconsistencies: u64,
     /// card(∪ L_i) at the end.
@@ -119,7 +129,7 @@ impl Summary {
             self.realtime_factor,
             self.identified,
             self.targets,
-            self.violations,
+            self.violations_of_checks(),
             self.inconsistencies,
             self.means.unexplored_pct,
             self.means.hidden_pct,
@@ -133,6 +143,16 @@ impl Summary {
                 + &self.missed(),
             self.refused(),
         )
+    }
+
+    /// How many of the checks failed, and how many reports could not be checked.
+    fn violations_of_checks(&self) -> String {
+        let Self { violations, checks, unchecked, .. } = self;
+        let unchecked = match unchecked {
+            0 => String::new(),
+            n => format!(" ({n} reports came too late to be checked)"),
+        };
+        format!("{violations} of {checks} checks{unchecked}")
     }
 
     /// A line for each agent that missed frames, and when nothing was heard of it.
@@ -169,16 +189,21 @@ impl Summary {
 impl Messages {
     /// In a line that adds up: sent + duplicated = delivered + dropped + in flight.
     fn describe(&self) -> String {
-        let reasons: Vec<String> =
-            self.dropped.iter().map(|(reason, n)| format!("{reason} {n}")).collect();
+        let by_reason = |counts: &BTreeMap<String, u64>| {
+            let reasons: Vec<String> =
+                counts.iter().map(|(reason, n)| format!("{reason} {n}")).collect();
+            (counts.values().sum::<u64>(), reasons.join(", "))
+        };
         let mut text = format!("{} sent", self.sent);
         if self.duplicated > 0 {
             text += &format!(" + {} duplicated", self.duplicated);
         }
         text += &format!(", {} delivered", self.delivered);
-        match self.dropped.values().sum::<u64>() {
-            0 => {}
-            sum => text += &format!(", {sum} dropped ({})", reasons.join(", ")),
+        if let (sum @ 1.., reasons) = by_reason(&self.rejected) {
+            text += &format!(" ({sum} not believed: {reasons}; see csat.log)");
+        }
+        if let (sum @ 1.., reasons) = by_reason(&self.dropped) {
+            text += &format!(", {sum} dropped ({reasons})");
         }
         if self.in_flight > 0 {
             text += &format!(", {} still on their way", self.in_flight);
@@ -202,6 +227,9 @@ pub(crate) mod tests {
             steps: 600,
             interrupted: false,
             violations: 0,
+            checks: 49_000,
+            unchecked: 0,
+            checked: CheckCounts::default(),
             inconsistencies: 0,
             identified: 8,
             all_identified_s: Some(93.5),
@@ -238,6 +266,9 @@ pub(crate) mod tests {
             "thesis_setting",
             "steps",
             "violations",
+            "checks",
+            "unchecked",
+            "checked",
             "inconsistencies",
             "identified",
             "all_identified_s",
@@ -283,13 +314,26 @@ pub(crate) mod tests {
             messages.describe(),
             "12 sent + 4 duplicated, 9 delivered, 3 dropped (range 3), 4 still on their way"
         );
+        let rejected = BTreeMap::from([("checksum".to_owned(), 2), ("clock".to_owned(), 1)]);
+        let doubted = Messages { rejected, ..sample().messages };
+        assert_eq!(
+            doubted.describe(),
+            "12 sent, 9 delivered (3 not believed: checksum 2, clock 1; see csat.log), 3 dropped \
+             (range 3)"
+        );
     }
 
     #[test]
     fn a_person_reads_the_same() {
         let text = sample().describe();
         assert!(text.contains("city seed 7: 300 s flown in 12.5 s (24.0x real time)\n"), "{text}");
-        assert!(text.contains("identified 8/8 (all after 93.5 s), violations 0"), "{text}");
+        assert!(
+            text.contains("identified 8/8 (all after 93.5 s), violations 0 of 49000 checks, "),
+            "{text}"
+        );
+        let late = Summary { unchecked: 12, ..sample() }.describe();
+        let said = "violations 0 of 49000 checks (12 reports came too late to be checked), ";
+        assert!(late.contains(said), "{late}");
         assert!(
             text.contains("12 sent, 9 delivered, 3 dropped (range 3); 1.23 MB said;"),
             "{text}"

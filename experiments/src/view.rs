@@ -3,10 +3,10 @@
 use csat_proto::model::Station;
 use csat_proto::oem::OemCell;
 use csat_proto::raster::{Grid, Raster};
-use csat_proto::region::{Region, metres};
 use csat_world::obstacle::Obstacle;
 use serde::{Deserialize, Serialize};
 
+use crate::rounding::{PER_METRE, polygons};
 use crate::scenario::Loaded;
 
 /// A closed ring; the last point is not repeated.
@@ -49,6 +49,16 @@ pub struct Building {
     pub rings: Vec<Ring>,
     /// Height.
     pub height_m: f64,
+}
+
+impl Building {
+    /// An obstacle to the nearest millimetre: one building, unless nothing is left of it or rounding
+    /// takes apart what hung together by less.
+    pub fn of(obstacle: &Obstacle) -> impl Iterator<Item = Self> {
+        let height_m = to_millimetre(obstacle.height_m);
+        let shapes = polygons(&[obstacle.rings().collect()], PER_METRE);
+        shapes.into_iter().map(move |rings| Self { rings, height_m })
+    }
 }
 
 /// How a UAV flew.
@@ -106,37 +116,29 @@ impl View {
     pub fn of_town(loaded: &Loaded) -> Self {
         let map = loaded.world.map();
         let rounded = |ring: &[[f64; 2]]| ring.iter().map(|p| p.map(to_millimetre)).collect();
-        let building = |obstacle: &Obstacle| Building {
-            rings: obstacle.rings().map(|ring| rounded(&ring)).collect(),
-            height_m: to_millimetre(obstacle.height_m),
-        };
         Self {
             scenario: loaded.name.clone(),
             seed: loaded.scenario.seed,
             size_m: loaded.scenario.map.size_m,
-            obstacles: map.obstacles.iter().map(building).collect(),
+            obstacles: map.obstacles.iter().flat_map(Building::of).collect(),
             roads: map.roads.iter().map(|road| rounded(road)).collect(),
             attribution: map.attribution.clone(),
             ..Self::default()
         }
     }
 
-    /// With every length to the nearest millimetre: what is drawn is what is written down, and a
+    /// With every length of a line to the nearest millimetre: what is drawn is what is written down, and a
     /// large fleet's file stays small.
     pub fn rounded(mut self) -> Self {
         let roads = self.roads.iter_mut();
         let footprints_and_paths =
             self.uavs.iter_mut().flat_map(|u| [&mut u.path, &mut u.footprint]);
-        let rings = self.obstacles.iter_mut().flat_map(|building| &mut building.rings);
-        let lines = roads.chain(footprints_and_paths).chain(&mut self.targets).chain(rings);
+        let lines = roads.chain(footprints_and_paths).chain(&mut self.targets);
         for point in lines.flatten() {
             *point = point.map(to_millimetre);
         }
         for uav in &mut self.uavs {
             uav.yaw_rad = (uav.yaw_rad * 1e6).round() / 1e6;
-        }
-        for building in &mut self.obstacles {
-            building.height_m = to_millimetre(building.height_m);
         }
         self
     }
@@ -158,13 +160,6 @@ pub fn area_m2(shapes: &Shapes) -> f64 {
 /// A length to the nearest millimetre.
 pub fn to_millimetre(metres: f64) -> f64 {
     (metres * 1e3).round() / 1e3
-}
-
-/// A region in metres, to the nearest millimetre: the file is for people.
-pub fn shapes(region: &Region) -> Shapes {
-    let point = |p: &_| metres(*p).map(to_millimetre);
-    let ring = |ring: &Vec<_>| ring.iter().map(point).collect();
-    region.shapes().iter().map(|shape| shape.iter().map(ring).collect()).collect()
 }
 
 /// A raster as runs.
@@ -221,11 +216,5 @@ mod tests {
         assert_eq!(oem.occupied, [(0, 1, 123)]);
         assert_eq!(oem.empty.runs, [[0, 2, 4]]);
         assert_eq!(oem.origin_m, [-10.0, -5.0]);
-    }
-
-    #[test]
-    fn regions_are_in_metres() {
-        let shapes = shapes(&Region::rectangle([4.0, 2.0]));
-        assert_eq!(shapes, [[[[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0]]]]);
     }
 }

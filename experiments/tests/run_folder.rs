@@ -111,7 +111,7 @@ fn a_town_of_ones_own_is_kept_with_its_run() {
 }
 
 #[test]
-fn json_is_the_summary_and_nothing_else() {
+fn json_is_the_summary_with_the_folder_and_nothing_else() {
     let base = scratch();
     let output = small_run(base.path(), &["--json", "--out", "deep/er/out"]);
     assert_eq!(output.status.code(), Some(0));
@@ -120,8 +120,10 @@ fn json_is_the_summary_and_nothing_else() {
         "for people, not programs"
     );
     let said = text(&output.stdout);
-    assert_eq!(said, read(&base.path().join("deep/er/out/summary.json")));
-    let summary: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let mut summary: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let folder = summary.as_object_mut().unwrap().remove("folder");
+    assert_eq!(folder, Some("deep/er/out".into()));
+    assert_eq!(summary, json(&base.path().join("deep/er/out/summary.json")));
     check_summary(&summary);
     assert_eq!(summary["steps"], 10);
     assert_eq!(summary["sim_s"], 5.0);
@@ -272,4 +274,20 @@ fn a_reader_that_has_seen_enough_is_no_failure() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(!text(&output.stderr).contains("panic"), "{}", text(&output.stderr));
     assert_eq!(names(&base.path().join("runs/city-seed1")), FILES);
+}
+
+/// What links damage is not believed, often and by everybody: the terminal gets the sum, the log the rest.
+#[test]
+fn messages_that_are_not_believed_are_summed_up() {
+    let base = scratch();
+    let output = small_run(base.path(), &["--set", "netem.radio.corruption=0.5", "--out", "out"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let said = text(&output.stderr);
+    assert!(!said.contains("dropped") && !said.contains("checksum"), "{said}");
+    let rejected = json(&base.path().join("out/summary.json"))["messages"]["rejected"].clone();
+    let count = rejected["checksum"].as_u64().expect("some were damaged");
+    let sum = format!(" ({count} not believed: checksum {count}; see csat.log)");
+    assert!(text(&output.stdout).contains(&sum), "{}", text(&output.stdout));
+    let log = read(&base.path().join("out/csat.log"));
+    assert!(log.contains("dropped") && log.contains("checksum"), "{log}");
 }

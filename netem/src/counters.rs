@@ -30,6 +30,8 @@ pub struct Counters {
 pub struct LinkCounters {
     /// Its messages and their bytes, each message once, for it has one receiver.
     pub counts: Counters,
+    /// Bytes that arrived, those of copies and of damaged messages among them.
+    pub bytes_delivered: u64,
     /// Sum of the delays of what arrived, seconds.
     pub delay_s: f64,
     /// Sum of the distances over which messages were sent, metres.
@@ -87,6 +89,7 @@ impl LinkCounters {
     /// Adds what the same link did at other times.
     pub fn add(&mut self, other: &Self) {
         self.counts.add(&other.counts);
+        self.bytes_delivered += other.bytes_delivered;
         self.delay_s += other.delay_s;
         self.distance_m += other.distance_m;
     }
@@ -107,8 +110,9 @@ impl LinkCounters {
         self.distance_m += distance_m;
     }
 
-    pub(crate) fn count_arrival(&mut self, corrupted: bool, delay_s: f64) {
+    pub(crate) fn count_arrival(&mut self, corrupted: bool, bytes: u64, delay_s: f64) {
         self.counts.count_arrival(corrupted);
+        self.bytes_delivered += bytes;
         self.delay_s += delay_s;
     }
 }

@@ -168,7 +168,8 @@ impl Links {
         let InFlight { at, src, dst, channel, sent_at, corrupted, bytes, .. } = message;
         self.counters.count_arrival(corrupted);
         let link = self.links.entry((src, dst, channel)).or_default();
-        link.counters.count_arrival(corrupted, at.seconds_since(sent_at));
+        let size = bytes.len() as u64;
+        link.counters.count_arrival(corrupted, size, at.seconds_since(sent_at));
         Some(Arrival { at, src, dst, channel, bytes })
     }
 

@@ -1,11 +1,13 @@
 //! The monitor: checks from outside the agents, at every step of every run, that what the theory
 //! promises and what it presumes both hold (`spec/sets.md`, "The guarantee").
 
+use std::collections::BTreeMap;
+
 use csat_proto::camera::Pose;
 use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::model::{FLIGHT_CLEARANCE_M, Ground, TargetsModel};
 use csat_proto::time::Step;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::obstacle::{Obstacle, Walls};
 use crate::plane::{between, distance_m};
@@ -129,47 +131,84 @@ pub struct Violation {
     pub fault: Fault,
 }
 
-/// How often each promise was broken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-pub struct ViolationCounts {
-    /// [`Fault::Guarantee`].
-    pub guarantee: u64,
-    /// [`Fault::ObstacleDistance`].
-    pub obstacle_distance: u64,
-    /// [`Fault::TargetDistance`].
-    pub target_distance: u64,
-    /// [`Fault::OutsideRegion`].
-    pub outside_region: u64,
-    /// [`Fault::Speed`].
-    pub speed: u64,
-    /// [`Fault::BuildingDistance`].
-    pub building_distance: u64,
-    /// [`Fault::MessageConservation`].
-    pub message_conservation: u64,
+/// A kind of promise that is checked; each [`Fault`] breaks one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Promise {
+    /// [`Fault::Guarantee`]: checked for every agent that reports and every target.
+    Guarantee,
+    /// [`Fault::ObstacleDistance`]: checked for every target, against all obstacles at once.
+    ObstacleDistance,
+    /// [`Fault::TargetDistance`]: checked for every pair of targets.
+    TargetDistance,
+    /// [`Fault::OutsideRegion`]: checked for every target.
+    OutsideRegion,
+    /// [`Fault::Speed`]: checked for every target from its second step on.
+    Speed,
+    /// [`Fault::BuildingDistance`]: checked for every UAV, against all buildings at once.
+    BuildingDistance,
+    /// [`Fault::MessageConservation`]: checked once per step.
+    MessageConservation,
 }
 
-impl ViolationCounts {
+impl Promise {
     /// All of them.
-    pub fn total(&self) -> u64 {
-        self.guarantee
-            + self.obstacle_distance
-            + self.target_distance
-            + self.outside_region
-            + self.speed
-            + self.building_distance
-            + self.message_conservation
+    pub const ALL: [Self; 7] = [
+        Self::Guarantee,
+        Self::ObstacleDistance,
+        Self::TargetDistance,
+        Self::OutsideRegion,
+        Self::Speed,
+        Self::BuildingDistance,
+        Self::MessageConservation,
+    ];
+}
+
+impl Fault {
+    /// What it breaks.
+    pub fn promise(&self) -> Promise {
+        match self {
+            Self::Guarantee { .. } => Promise::Guarantee,
+            Self::ObstacleDistance { .. } => Promise::ObstacleDistance,
+            Self::TargetDistance { .. } => Promise::TargetDistance,
+            Self::OutsideRegion { .. } => Promise::OutsideRegion,
+            Self::Speed { .. } => Promise::Speed,
+            Self::BuildingDistance { .. } => Promise::BuildingDistance,
+            Self::MessageConservation { .. } => Promise::MessageConservation,
+        }
+    }
+}
+
+/// How often a promise was checked, and how often it was broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Checked {
+    /// Checks made.
+    pub checks: u64,
+    /// Checks that found it broken.
+    pub violations: u64,
+}
+
+/// What was checked so far, by promise; a promise that was never checked is not there.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct CheckCounts(BTreeMap<Promise, Checked>);
+
+impl CheckCounts {
+    /// How often a promise was checked and broken.
+    pub fn of(&self, promise: Promise) -> Checked {
+        self.0.get(&promise).copied().unwrap_or_default()
     }
 
-    fn count(&mut self, fault: &Fault) {
-        *match fault {
-            Fault::Guarantee { .. } => &mut self.guarantee,
-            Fault::ObstacleDistance { .. } => &mut self.obstacle_distance,
-            Fault::TargetDistance { .. } => &mut self.target_distance,
-            Fault::OutsideRegion { .. } => &mut self.outside_region,
-            Fault::Speed { .. } => &mut self.speed,
-            Fault::BuildingDistance { .. } => &mut self.building_distance,
-            Fault::MessageConservation { .. } => &mut self.message_conservation,
-        } += 1;
+    /// Over all promises.
+    pub fn total(&self) -> Checked {
+        self.0.values().fold(Checked::default(), |sum, one| Checked {
+            checks: sum.checks + one.checks,
+            violations: sum.violations + one.violations,
+        })
+    }
+
+    /// Each promise that was checked, with its counts.
+    pub fn iter(&self) -> impl Iterator<Item = (Promise, Checked)> {
+        self.0.iter().map(|(promise, checked)| (*promise, *checked))
     }
 }
 
@@ -184,15 +223,17 @@ pub struct Monitor {
     previous: Option<(Step, Vec<TargetTruth>)>,
     /// Where every UAV was when that was last checked.
     flown_from: Vec<Pose>,
-    counts: ViolationCounts,
+    counts: CheckCounts,
+    unchecked: u64,
 }
 
 impl Monitor {
     /// A monitor of a run in that region, with those targets, that period and those obstacles.
     pub fn new(ground: Ground, model: TargetsModel, period_s: f64, obstacles: &[Obstacle]) -> Self {
         let walls = Walls::new(obstacles);
-        let counts = ViolationCounts::default();
-        Self { ground, model, period_s, walls, previous: None, flown_from: Vec::new(), counts }
+        let counts = CheckCounts::default();
+        let flown_from = Vec::new();
+        Self { ground, model, period_s, walls, previous: None, flown_from, counts, unchecked: 0 }
     }
 
     /// Checks step k: the separations, the region and the speeds of all targets, and that every
@@ -212,10 +253,7 @@ impl Monitor {
                 self.check_pair(other, target, &mut faults);
             }
             for (agent, knowledge) in (0..).map(AgentId).zip(agents) {
-                let TargetTruth { id, location, .. } = *target;
-                if !knowledge.admits(id, location, GUARANTEE_TOLERANCE_M) {
-                    faults.push(Fault::Guarantee { agent, target: id, location });
-                }
+                self.check_knowledge(agent, *knowledge, target, &mut faults);
             }
         }
         self.check_speeds(step, targets, &mut faults);
@@ -232,14 +270,17 @@ impl Monitor {
         knowledge: &dyn Knowledge,
         targets: &[TargetTruth],
     ) -> Vec<Violation> {
-        let admits = |target: &&TargetTruth| {
-            knowledge.admits(target.id, target.location, GUARANTEE_TOLERANCE_M)
-        };
-        let faults = targets
-            .iter()
-            .filter(|target| !admits(target))
-            .map(|target| Fault::Guarantee { agent, target: target.id, location: target.location });
-        self.record(step, faults.collect())
+        let mut faults = Vec::new();
+        for target in targets {
+            self.check_knowledge(agent, knowledge, target, &mut faults);
+        }
+        self.record(step, faults)
+    }
+
+    /// Takes note of an agent's report that could not be checked, because it came after the truth of
+    /// its step was forgotten.
+    pub fn miss_agent(&mut self) {
+        self.unchecked += 1;
     }
 
     /// Checks that no UAV is nearer to a building than [`FLIGHT_CLEARANCE_M`], over it or beside it, and
@@ -247,6 +288,7 @@ impl Monitor {
     pub fn check_flights(&mut self, step: Step, poses: &[Pose]) -> Vec<Violation> {
         let mut faults = Vec::new();
         for (index, pose) in poses.iter().enumerate() {
+            self.count(Promise::BuildingDistance);
             let from = self.flown_from.get(index).unwrap_or(pose);
             let nearest = self.nearest_on_way(from, pose);
             faults.extend(nearest.map(|(obstacle, distance_m)| Fault::BuildingDistance {
@@ -277,6 +319,7 @@ impl Monitor {
 
     /// Checks that no message appeared or disappeared.
     pub fn check_messages(&mut self, step: Step, counts: MessageCounts) -> Option<Violation> {
+        self.count(Promise::MessageConservation);
         let faults = if counts.conserved() {
             Vec::new()
         } else {
@@ -285,21 +328,49 @@ impl Monitor {
         self.record(step, faults).pop()
     }
 
-    /// All violations so far.
-    pub fn counts(&self) -> ViolationCounts {
-        self.counts
+    /// All checks so far.
+    pub fn counts(&self) -> &CheckCounts {
+        &self.counts
+    }
+
+    /// How many reports of agents could not be checked so far.
+    pub fn unchecked(&self) -> u64 {
+        self.unchecked
+    }
+
+    /// Takes note of a check about to be made.
+    fn count(&mut self, promise: Promise) {
+        self.counts.0.entry(promise).or_default().checks += 1;
     }
 
     fn record(&mut self, step: Step, faults: Vec<Fault>) -> Vec<Violation> {
-        faults.iter().for_each(|fault| self.counts.count(fault));
+        for fault in &faults {
+            self.counts.0.entry(fault.promise()).or_default().violations += 1;
+        }
         faults.into_iter().map(|fault| Violation { step, fault }).collect()
     }
 
-    fn check_place(&self, target: &TargetTruth, faults: &mut Vec<Fault>) {
+    fn check_knowledge(
+        &mut self,
+        agent: AgentId,
+        knowledge: &dyn Knowledge,
+        target: &TargetTruth,
+        faults: &mut Vec<Fault>,
+    ) {
+        self.count(Promise::Guarantee);
+        let TargetTruth { id, location, .. } = *target;
+        if !knowledge.admits(id, location, GUARANTEE_TOLERANCE_M) {
+            faults.push(Fault::Guarantee { agent, target: id, location });
+        }
+    }
+
+    fn check_place(&mut self, target: &TargetTruth, faults: &mut Vec<Fault>) {
         let TargetTruth { id: target, location, .. } = *target;
+        self.count(Promise::OutsideRegion);
         if !self.ground.contains(location) {
             faults.push(Fault::OutsideRegion { target, location });
         }
+        self.count(Promise::ObstacleDistance);
         // The least number beyond the limit: a location at exactly the limit is a violation too.
         let limit_m = self.model.obstacle_distance_m;
         if let Some((obstacle, distance_m)) = self.walls.nearest_within(location, limit_m.next_up())
@@ -308,7 +379,8 @@ impl Monitor {
         }
     }
 
-    fn check_pair(&self, a: &TargetTruth, b: &TargetTruth, faults: &mut Vec<Fault>) {
+    fn check_pair(&mut self, a: &TargetTruth, b: &TargetTruth, faults: &mut Vec<Fault>) {
+        self.count(Promise::TargetDistance);
         let (distance_m, limit_m) =
             (distance_m(a.location, b.location), self.model.target_distance_m);
         let apart = distance_m > limit_m; // false for NaN
@@ -317,12 +389,13 @@ impl Monitor {
         }
     }
 
-    fn check_speeds(&self, step: Step, targets: &[TargetTruth], faults: &mut Vec<Fault>) {
-        let Some((before, previous)) = &self.previous else { return };
+    fn check_speeds(&mut self, step: Step, targets: &[TargetTruth], faults: &mut Vec<Fault>) {
+        let Some((before, previous)) = self.previous.take() else { return };
         let periods = f64::from(step.0.saturating_sub(before.0));
         let limit_m = self.model.v_max_m_s * self.period_s * periods;
         for target in targets {
             let Some(old) = previous.iter().find(|old| old.id == target.id) else { continue };
+            self.count(Promise::Speed);
             let moved_m = distance_m(old.location, target.location);
             let slow = moved_m <= limit_m + SPEED_TOLERANCE_M; // false for NaN
             if !slow {

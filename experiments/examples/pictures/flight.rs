@@ -6,6 +6,7 @@ use csat_agent::estimate::state::Knowledge;
 use csat_agent::sense::{Measured, Sensor};
 use csat_experiments::engine::Engine;
 use csat_experiments::plug::{Detail, Mission};
+use csat_experiments::rounding;
 use csat_experiments::scenario::{self, Loaded, Request};
 use csat_experiments::set_membership::SetMembership;
 use csat_experiments::view::{self, View};
@@ -128,7 +129,7 @@ pub fn load(sets: &[&str]) -> Loaded {
 
 /// A region in metres, for drawing.
 pub fn shapes(region: &Region) -> view::Shapes {
-    view::shapes(region)
+    rounding::shapes(region)
 }
 
 fn check(engine: &Engine<SetMembership>) -> Vec<Check> {

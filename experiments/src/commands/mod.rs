@@ -17,6 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
+use serde::Serialize;
 
 use csat_experiments::cli::{RunArguments, ScenarioArguments};
 use csat_experiments::logs::Logs;
@@ -28,6 +29,7 @@ use csat_experiments::scenario::{self, Loaded, Mistakes, Request};
 use csat_experiments::set_membership::SetMembership;
 use csat_experiments::show;
 use csat_experiments::show::recording::Recording;
+use csat_experiments::summary::Summary;
 use csat_experiments::tell;
 use csat_experiments::terminal;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED, verdict};
@@ -205,7 +207,7 @@ fn interrupted_by_the_user() -> anyhow::Result<Arc<AtomicBool>> {
 fn report(finished: &Finished, recorded_bytes: Option<u64>, json: bool) -> anyhow::Result<u8> {
     let Finished { folder, summary } = finished;
     if json {
-        say(&summary.to_json())?;
+        say(&with_folder(summary, folder)?)?;
     } else {
         let recording = recorded_bytes.map_or_else(String::new, |bytes| {
             format!("{}: {:.1} MB\n", show::FILE, bytes as f64 * 1e-6)
@@ -217,6 +219,17 @@ fn report(finished: &Finished, recorded_bytes: Option<u64>, json: bool) -> anyho
         tell!("{alarm}");
     }
     Ok(verdict.code)
+}
+
+/// The summary as JSON, with the run folder.
+fn with_folder(summary: &Summary, folder: &Path) -> anyhow::Result<String> {
+    #[derive(Serialize)]
+    struct Told<'a> {
+        #[serde(flatten)]
+        summary: &'a Summary,
+        folder: &'a Path,
+    }
+    Ok(serde_json::to_string_pretty(&Told { summary, folder })? + "\n")
 }
 
 /// Writes to stdout; a reader that has seen enough (`| head`) is no failure.

@@ -46,7 +46,9 @@ struct StatsBody<'a> {
     identified: usize,
     unexplored_pct: f64,
     hidden_pct: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
     oem_iou_pct: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     news_age_s: Option<f64>,
     vertices: u32,
     bytes_sent: u64,

@@ -13,6 +13,7 @@ use csat_proto::time::Step;
 
 use crate::metrics::{StepRecord, localization, percent_of};
 use crate::plug::{Detail, Mission, Tally, Watched};
+use crate::rounding;
 use crate::scenario::Scenario;
 use crate::show::documents::{AgentStep, Document};
 use crate::view;
@@ -113,10 +114,12 @@ impl Mission for SetMembership {
 
     fn view(&self, report: &Report) -> view::Knowledge {
         let maps = report.maps.as_ref();
+        let ground = &self.config.ground;
+        let targets = report.targets.iter();
         view::Knowledge {
-            unexplored: view::shapes(&report.unexplored),
-            targets: report.targets.iter().map(|(j, set)| (j.0, view::shapes(set))).collect(),
-            obstacle_margin: view::shapes(&report.obstacle_margin),
+            unexplored: rounding::outer(&report.unexplored, ground),
+            targets: targets.map(|(j, set)| (j.0, rounding::outer(set, ground))).collect(),
+            obstacle_margin: rounding::inner(&report.obstacle_margin),
             hidden: maps.map(|maps| view::cells(&maps.hidden)).unwrap_or_default(),
             oem: maps.map(|maps| view::oem(&maps.oem_grid, &maps.oem_cells())).unwrap_or_default(),
         }

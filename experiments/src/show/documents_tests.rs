@@ -57,12 +57,12 @@ fn measure(geometry: &GeometryValue) -> (f64, usize) {
     (area_m2, corners)
 }
 
+/// What is shown of a set is its own outline, moved by some millimetres.
 fn assert_is(geometry: &GeometryValue, region: &Region) {
     let (area_m2, corners) = measure(geometry);
-    assert!((area_m2 - region.area_m2()).abs() < 0.5, "{area_m2} of {}", region.area_m2());
-    // Corners less than a millimetre apart are one.
-    let lost = region.vertex_count() - corners;
-    assert!(lost <= region.vertex_count() / 100, "{corners} of {}", region.vertex_count());
+    let allowed_m2 = 0.5 + 0.01 * region.area_m2();
+    assert!((area_m2 - region.area_m2()).abs() < allowed_m2, "{area_m2} of {}", region.area_m2());
+    assert!(corners < 2 * region.vertex_count() + 8, "{corners} of {}", region.vertex_count());
 }
 
 #[test]

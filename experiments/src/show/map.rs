@@ -12,6 +12,7 @@ use super::recording::Seen;
 use super::scene::{FRAME, timestamp};
 use super::shape;
 use crate::plot::uav_colour;
+use crate::rounding::polygons;
 use crate::view::Ring;
 use crate::words::named;
 
@@ -24,9 +25,10 @@ pub fn town(world: &World) -> GeoJson {
     let plane = world.map().plane();
     let buildings = world.obstacles().iter().map(|obstacle| {
         let rings: Vec<Ring> = obstacle.rings().map(|ring| placed(&plane, &ring)).collect();
+        let outlines = polygons(&[rings], PER_DEGREE);
         let name = format!("{}, {:.0} m", obstacle.name, obstacle.height_m);
         let style = json!({ "color": "#555555", "weight": 1, "fillOpacity": 0.5 });
-        shape::feature(shape::polygon(&rings), json!({ "name": name, "style": style }))
+        shape::feature(shape::multi_polygon(&outlines), json!({ "name": name, "style": style }))
     });
     let roads = world.roads().edges().iter().map(|edge| {
         let line = shape::line_string(&placed(&plane, &edge.line));
@@ -47,9 +49,10 @@ pub fn step(world: &World, seen: &[Seen]) -> GeoJson {
         if seen.footprint.is_empty() {
             continue;
         }
-        let footprint = shape::polygon(&[placed(&plane, &seen.footprint)]);
+        let footprint = polygons(&[vec![placed(&plane, &seen.footprint)]], PER_DEGREE);
         let style = json!({ "color": colour, "weight": 2, "fillOpacity": 0.05 });
         let name = format!("footprint of UAV {}", seen.agent);
+        let footprint = shape::multi_polygon(&footprint);
         features.push(shape::feature(footprint, json!({ "name": name, "style": style })));
     }
     for (index, target) in world.targets().iter().enumerate() {
@@ -80,7 +83,7 @@ fn sets(plane: &TangentPlane, seen: &Seen, uavs: u16, colour: &str) -> Vec<Featu
     let set = |shapes: &[Vec<Ring>], properties: Value| {
         let shapes: Vec<Vec<Ring>> =
             shapes.iter().map(|s| s.iter().map(|ring| placed(plane, ring)).collect()).collect();
-        shape::feature(shape::multi_polygon(&shapes), properties)
+        shape::feature(shape::multi_polygon(&polygons(&shapes, PER_DEGREE)), properties)
     };
     let (known, agent) = (&seen.known, named([seen.agent.0], uavs));
     let faint = json!({ "color": colour, "weight": 1, "fillOpacity": 0.1 });

@@ -1,7 +1,8 @@
 //! JSON Schemas of the documents, so that viewers know which fields there are to plot.
 //!
-//! Viewers of the Foxglove family refuse a schema with anything but booleans, strings, numbers,
-//! objects and arrays of those: arrays of arrays and types "or null" are left out or written plain.
+//! Every document is valid by its schema, and what a schema requires is always there. Viewers of the
+//! Foxglove family refuse a schema with anything but booleans, strings, numbers, objects and arrays of
+//! those: arrays of arrays are left out, and what is not defined is absent from a document, not null.
 
 use serde_json::{Value, json};
 
@@ -14,21 +15,28 @@ pub fn of_topic(topic: &str) -> (String, String) {
         first.make_ascii_uppercase();
     }
     let title = format!("csat.{}{title}", if is_view { "View" } else { "Truth" });
-    let head = if is_view { "agent:n incarnation:n step:n time_s:n" } else { "step:n time_s:n" };
-    let mut properties = fields(head);
-    properties.extend(fields(if is_view { of_view(name) } else { of_truth(name) }));
+    let head = match name {
+        _ if is_view => "agent:n incarnation:n step:n time_s:n",
+        // It does not move.
+        "town" => "",
+        _ => "step:n time_s:n",
+    };
+    let own = if is_view { of_view(name) } else { of_truth(name) };
+    let mut schema = object(&format!("{head} {own}"));
     let nested = match name {
         "plan" => Some(("poses", "p_world:[n] yaw_rad:n")),
-        "links" => Some(("heard", "src:n channel:n outcome:s count:n delay_s:n")),
+        "links" => Some(("heard", "src:n channel:n outcome:s count:n delay_s:n?")),
         "town" => Some(("stations", "x_m:n y_m:n z_m:n")),
         "targets" if !is_view => Some(("targets", "target:n location:[n]")),
         _ => None,
     };
     if let Some((key, of_items)) = nested {
-        let items = json!({ "type": "object", "properties": fields(of_items) });
-        properties.insert(key.to_owned(), json!({ "type": "array", "items": items }));
+        schema["properties"][key] = json!({ "type": "array", "items": object(of_items) });
+        if let Some(required) = schema["required"].as_array_mut() {
+            required.push(key.into());
+        }
     }
-    let schema = json!({ "title": title, "type": "object", "properties": properties });
+    schema["title"] = title.clone().into();
     (title, schema.to_string())
 }
 
@@ -38,7 +46,7 @@ fn of_view(name: &str) -> &'static str {
         "targets" | "unexplored" | "obstacles" => "type:s",
         "hidden" | "oem" => "cell_m:n origin_m:[n]",
         "stats" => {
-            "identified:n unexplored_pct:n hidden_pct:n oem_iou_pct:n news_age_s:n vertices:n \
+            "identified:n unexplored_pct:n hidden_pct:n oem_iou_pct:n? news_age_s:n? vertices:n \
              bytes_sent:n withheld:n"
         }
         _ => "",
@@ -48,32 +56,36 @@ fn of_view(name: &str) -> &'static str {
 fn of_truth(name: &str) -> &'static str {
     match name {
         "town" => {
-            "type:s size_m:[n] center:[n] scenario:s seed:n agents:n targets:n duration_s:n \
-             period_s:n attribution:s"
+            "type:s size_m:[n] center:[n]? scenario:s seed:n agents:n targets:n duration_s:n \
+             period_s:n attribution:s?"
         }
         "metrics" => {
-            "unexplored_pct:n hidden_pct:n explored_pct:n footprint_pct:n ground_seen_pct:n \
-             localization_error_m:n target_radius_m:n oem_iou_pct:n identified:n \
-             identified_union:n targets_in_fov:n violations:n bytes_sent:n alive:[b] late:[b]"
+            "unexplored_pct:n? hidden_pct:n? explored_pct:n? footprint_pct:n? ground_seen_pct:n? \
+             localization_error_m:n? target_radius_m:n? oem_iou_pct:n? identified:n? \
+             identified_union:n? targets_in_fov:n? violations:n bytes_sent:n alive:[b] late:[b]"
         }
         "lives" => "agent:n event:s incarnation:n",
         _ => "",
     }
 }
 
-/// Properties from `name:type`, where `n` is a number, `s` a string, `b` a boolean and `[…]` an
-/// array of them.
-fn fields(text: &str) -> serde_json::Map<String, Value> {
-    let field = |field: &str| {
-        let (name, kind) = field.split_once(':')?;
-        let plain = kind.trim_matches(['[', ']']);
+/// An object with the members `name:type`, where `n` is a number, `s` a string, `b` a boolean, `[…]` an
+/// array of them, and `?` says that a member may be absent.
+fn object(members: &str) -> Value {
+    let (mut properties, mut required) = (serde_json::Map::new(), Vec::new());
+    for member in members.split_whitespace() {
+        let Some((name, kind)) = member.split_once(':') else { continue };
+        let plain = kind.trim_matches(['[', ']', '?']);
         let plain =
             json!({ "type": match plain { "n" => "number", "b" => "boolean", _ => "string" } });
         let is_array = kind.starts_with('[');
         let of = if is_array { json!({ "type": "array", "items": plain }) } else { plain };
-        Some((name.to_owned(), of))
-    };
-    text.split_whitespace().filter_map(field).collect()
+        properties.insert(name.to_owned(), of);
+        if !kind.ends_with('?') {
+            required.push(name);
+        }
+    }
+    json!({ "type": "object", "properties": properties, "required": required })
 }
 
 #[cfg(test)]
@@ -86,6 +98,9 @@ mod tests {
         assert_eq!(name, "csat.ViewStats");
         let schema: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(schema["properties"]["unexplored_pct"]["type"], "number");
+        let required = schema["required"].as_array().unwrap();
+        assert!(required.contains(&"unexplored_pct".into()));
+        assert!(!required.contains(&"oem_iou_pct".into()));
         let (name, text) = of_topic("truth/targets");
         assert_eq!(name, "csat.TruthTargets");
         let schema: Value = serde_json::from_str(&text).unwrap();

@@ -14,7 +14,7 @@ use crate::mission::Moment;
 use crate::plug::Mission;
 use crate::scenario::Scenario;
 use crate::series::{Means, Point};
-use crate::view::{Ring, to_millimetre};
+use crate::view::{Building, Ring, to_millimetre};
 
 /// The name of the town's document.
 pub const TOWN: &str = "truth/town";
@@ -23,6 +23,7 @@ pub const TOWN: &str = "truth/town";
 #[derive(Debug, Serialize)]
 struct TownHead<'a> {
     size_m: [f64; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
     center: Option<[f64; 2]>,
     scenario: &'a str,
     seed: u64,
@@ -31,16 +32,15 @@ struct TownHead<'a> {
     targets: u16,
     duration_s: f64,
     period_s: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
     attribution: Option<&'a str>,
 }
 
 /// `truth/town`: the town of the scenario called `name`.
 pub fn town(name: &str, scenario: &Scenario, world: &World) -> Document {
-    let buildings = world.obstacles().iter().map(|obstacle| {
-        let rings: Vec<Ring> = obstacle.rings().map(|ring| rounded(&ring)).collect();
-        let height_m = to_millimetre(obstacle.height_m);
-        let properties = json!({ "kind": "building", "height_m": height_m });
-        shape::feature(shape::polygon(&rings), properties)
+    let buildings = world.obstacles().iter().flat_map(Building::of).map(|building| {
+        let properties = json!({ "kind": "building", "height_m": building.height_m });
+        shape::feature(shape::polygon(&building.rings), properties)
     });
     let roads = world.roads().edges().iter().map(|edge| {
         shape::feature(shape::line_string(&rounded(&edge.line)), json!({ "kind": "road" }))
@@ -90,21 +90,32 @@ pub fn targets<M: Mission>(moment: &Moment<'_, M>) -> Document {
     Document::json("truth/targets", &Targets { step, time_s, targets: located.collect() })
 }
 
-/// `truth/metrics`.
+/// `truth/metrics`. What is not defined is not there.
 #[derive(Debug, Serialize)]
 struct Metrics {
     step: Step,
     time_s: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
     unexplored_pct: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     hidden_pct: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     explored_pct: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     footprint_pct: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     ground_seen_pct: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     localization_error_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     target_radius_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     oem_iou_pct: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     identified: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     identified_union: Option<u16>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     targets_in_fov: Option<u16>,
     violations: u64,
     bytes_sent: u64,

@@ -90,6 +90,12 @@ impl Results {
         &self.runs[start..end]
     }
 
+    /// How many checks the monitor made in all runs.
+    pub fn checks(&self) -> u64 {
+        let records = self.runs.iter().filter_map(|(_, record)| record.as_ref());
+        records.filter_map(|record| record.number("checks")).map(|n| n as u64).sum()
+    }
+
     /// The flown runs of a point.
     pub fn flown(&self, point: usize) -> impl Iterator<Item = &RunRecord> {
         let here = self.of(point).iter().filter_map(|(_, record)| record.as_ref());

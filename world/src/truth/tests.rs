@@ -37,7 +37,7 @@ fn what_is_right_is_silent() {
         let targets = [at(0, x, -2.6), at(1, 40.0, 40.0)];
         assert_eq!(monitor.check(Step(step), &[&everywhere], &targets), []);
     }
-    assert_eq!(monitor.counts().total(), 0);
+    assert_eq!(monitor.counts().total().violations, 0);
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn the_guarantee_is_checked_for_every_agent_and_target() {
         },
     };
     assert_eq!(violations, [expected(1), expected(2)]);
-    assert_eq!(monitor.counts().guarantee, 2);
+    assert_eq!(monitor.counts().of(Promise::Guarantee), Checked { checks: 2 * 3, violations: 2 });
     // One millimetre and no more.
     let violations = monitor.check(Step(7), &[&near], &[at(0, -30.0, 1.001_1)]);
     assert_eq!(violations.len(), 2, "guarantee and speed: {violations:?}");
@@ -99,7 +99,10 @@ fn messages_are_conserved() {
     let leak = MessageCounts { in_flight: 0, ..counts };
     let violation = monitor.check_messages(Step(1), leak).unwrap();
     assert_eq!(violation.fault, Fault::MessageConservation { counts: leak });
-    assert_eq!(monitor.counts().message_conservation, 1);
+    assert_eq!(
+        monitor.counts().of(Promise::MessageConservation),
+        Checked { checks: 2, violations: 1 }
+    );
     let json = serde_json::to_value(&violation).unwrap();
     assert_eq!(json["fault"]["kind"], "message-conservation");
     assert_eq!(json["fault"]["counts"]["sent"], 10);
@@ -131,12 +134,42 @@ fn uavs_keep_their_clearance_from_buildings() {
             }
             other => panic!("{pose:?}: {other:?}"),
         }
-        assert_eq!(monitor.counts().building_distance, faults.len() as u64);
-        assert_eq!(monitor.counts().total(), faults.len() as u64);
+        let counted = Checked { checks: 2, violations: faults.len() as u64 };
+        assert_eq!(monitor.counts().of(Promise::BuildingDistance), counted);
+        assert_eq!(monitor.counts().total(), counted);
     }
     let mut monitor = monitor();
     assert_eq!(monitor.check_flights(Step(0), &[at(-10.0, 5.0, 3.0)]), []);
     let through = monitor.check_flights(Step(1), &[at(20.0, 5.0, 3.0)]);
     assert_eq!(through.len(), 1, "it flew through the block");
     assert_eq!(monitor.check_flights(Step(2), &[at(21.0, 5.0, 3.0)]), []);
+}
+
+#[test]
+fn every_check_is_counted() {
+    let mut monitor = monitor();
+    let everywhere = Disc([0.0; 2], 500.0);
+    let targets = [at(0, -20.0, 0.0), at(1, 30.0, 30.0), at(2, -30.0, -20.0)];
+    for step in 0..4 {
+        monitor.check(Step(step), &[], &targets);
+        monitor.check_messages(Step(step), MessageCounts::default());
+    }
+    for agent in 0..2 {
+        monitor.check_agent(Step(2), AgentId(agent), &everywhere, &targets);
+    }
+    let expected = [
+        (Promise::Guarantee, 2 * 3),
+        (Promise::ObstacleDistance, 4 * 3),
+        (Promise::TargetDistance, 4 * 3),
+        (Promise::OutsideRegion, 4 * 3),
+        (Promise::Speed, 3 * 3),
+        (Promise::MessageConservation, 4),
+    ];
+    let counted: Vec<(Promise, u64)> =
+        monitor.counts().iter().map(|(promise, checked)| (promise, checked.checks)).collect();
+    assert_eq!(counted, expected);
+    assert_eq!(monitor.counts().total(), Checked { checks: 55, violations: 0 });
+    assert_eq!(monitor.unchecked(), 0);
+    monitor.miss_agent();
+    assert_eq!((monitor.unchecked(), monitor.counts().total().checks), (1, 55));
 }

@@ -52,7 +52,7 @@ mod tests {
     fn told(sent: u64, delivered: u64) -> LinkCounters {
         let in_flight = sent - delivered;
         let counts = Counters { sent, delivered, in_flight, ..Counters::default() };
-        LinkCounters { counts, delay_s: 0.5, distance_m: 0.0 }
+        LinkCounters { counts, bytes_delivered: 100, delay_s: 0.5, distance_m: 0.0 }
     }
 
     #[test]
@@ -68,7 +68,7 @@ mod tests {
             dropped: [(Reason::Outage, 2)].into(),
             ..Counters::default()
         };
-        let expected = LinkCounters { counts, delay_s: 1.0, distance_m: 0.0 };
+        let expected = LinkCounters { counts, bytes_delivered: 200, delay_s: 1.0, distance_m: 0.0 };
         assert_eq!(links[&link(0)], expected);
         assert_eq!(links[&link(1)], told(5, 5));
         assert!(ended.all.conserved() && links.values().all(|link| link.counts.conserved()));

@@ -54,7 +54,7 @@ pub fn head(results: &Results, again: &str) -> String {
     });
     let varied: Vec<String> = varied.collect();
     let of_flown = match violated {
-        0 => "no violation of what is guaranteed".to_owned(),
+        0 => format!("no violation in {} checks of what is guaranteed", results.checks()),
         n => format!("<strong>{n} with violations of what is guaranteed</strong>"),
     };
     let rows = [
