@@ -7,6 +7,7 @@ use anyhow::Context;
 use csat_experiments::cli::{Published, ReproduceArguments};
 use csat_experiments::reproduce::chapter4::Chapter4;
 use csat_experiments::reproduce::plan::{self, Plan};
+use csat_experiments::reproduce::setting::Deviations;
 use csat_experiments::reproduce::table::Table;
 use csat_experiments::reproduce::{chapter5, flown, page, table1};
 use csat_experiments::run_folder::{Destination, FolderError, PartialFile, RunFolder};
@@ -26,6 +27,9 @@ const REPORT: &str = "report.html";
 const TABLES: &str = "tables.txt";
 /// The same for programs, and for `csat compare`.
 const TABLES_JSON: &str = "tables.json";
+
+/// How many looks chapter 4 takes of each setting; what is published is of as many or of one.
+const LOOKS: usize = 100;
 
 /// `csat reproduce`.
 pub fn reproduce(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
@@ -72,10 +76,13 @@ fn conclude(
     let runs = flown::read(folder, &results)?;
     let names: Vec<String> =
         manifest.points.iter().map(|point| point.shown(&manifest.vary, 0)).collect();
-    let (tables, figures) = match arguments.what {
+    let (mut tables, figures) = match arguments.what {
         Published::Chapter5 => (chapter5::tables(&names, &runs), chapter5::figures(&names, &runs)),
         _ => (table1::tables(&names, &runs), String::new()),
     };
+    let seeds = manifest.seed_list().len();
+    let deviations = plan.deviations(seeds, &sets(arguments)).map_err(SweepError::Mistakes)?;
+    tables.iter_mut().for_each(|table| table.not_published = deviations.banner());
     let page = page::html(plan.title, &results, &plan.command(manifest), &runs, &tables, &figures);
     folder.write(TABLES, &text(&tables))?;
     folder.write(TABLES_JSON, &json(&tables)?)?;
@@ -139,8 +146,10 @@ fn look(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
     if arguments.duration.is_some() {
         return Err(refused("--duration: chapter4 has no missions, it looks once").into());
     }
-    let seeds = seeds(arguments, "1..100")?;
+    let seeds = seeds(arguments, &format!("1..{LOOKS}"))?;
     let sets = sets(arguments);
+    let deviations = Deviations::of((seeds.len(), LOOKS, "looks"), &[], &sets);
+    let deviations = deviations.map_err(SweepError::Mistakes)?;
     let request = scenario::Request { scenario: None, sets: &sets, seed: None };
     let Loaded { scenario, warnings, .. } =
         scenario::load(request).map_err(SweepError::Mistakes)?;
@@ -153,9 +162,13 @@ fn look(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
     let mut again = "csat reproduce chapter4".to_owned();
     again += &arguments.seeds.iter().map(|seeds| format!(" --seeds {seeds}")).collect::<String>();
     again += &sets.iter().map(|set| format!(" --set {}", quoted(set))).collect::<String>();
-    let tables = seen.tables();
-    let files =
-        [(TABLES, text(&tables)), (TABLES_JSON, json(&tables)?), (REPORT, seen.html(&again))];
+    let mut tables = seen.tables();
+    tables.iter_mut().for_each(|table| table.not_published = deviations.banner());
+    let files = [
+        (TABLES, text(&tables)),
+        (TABLES_JSON, json(&tables)?),
+        (REPORT, seen.html(&tables, &again)),
+    ];
     let root = place.fill(&files)?;
     tell(arguments, &tables, &format!("{} looks per setting", seeds.len()), &root)?;
     Ok(DONE)

@@ -72,7 +72,9 @@ fn means(
     Table {
         title: title.to_owned(),
         source,
-        note: format!("{POOLED}; * differs by more than both deviations."),
+        note: format!("{POOLED}."),
+        mark: "differs by more than both deviations",
+        not_published: None,
         corner: "criterion",
         columns: quantities.iter().map(|q| Column::new(q.short, q.unit)).collect(),
         rows: rows
@@ -111,6 +113,8 @@ fn identification(names: &[String], runs: &[Vec<Flown>]) -> Table {
         note: "Mean ± standard deviation over missions; one that never found all counts with its \
                length (≥). In the thesis, (5.27) (str3-kappa0) found all in 2 of 10."
             .to_owned(),
+        mark: "exceeds the bound",
+        not_published: None,
         corner: "criterion",
         columns: vec![Column::new("all identified", "s")],
         rows: names.iter().zip(runs).zip(published).map(row).collect(),
@@ -146,6 +150,8 @@ fn computing(names: &[String], runs: &[Vec<Flown>]) -> Table {
             "Ours: median of each mission, mean ± standard deviation over missions, on one thread \
                of this machine as busy as it was."
                 .to_owned(),
+        mark: "differs by more than the deviation",
+        not_published: None,
         corner: "criterion",
         columns: vec![column("estimator"), column("controller")],
         rows: names.iter().zip(runs).zip(estimator).zip(mpc).map(row).collect(),

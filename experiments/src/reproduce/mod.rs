@@ -8,6 +8,7 @@
 //! | [`plan`] | what is flown |
 //! | [`flown`] | what was flown: summaries and curves |
 //! | [`quantity`] | what is compared |
+//! | [`setting`] | whether it is what was published |
 //! | [`table`] | ours beside theirs |
 //! | [`chapter5`], [`table1`], [`chapter4`] | the tables and figures of each |
 //! | [`page`] | `report.html` |
@@ -18,5 +19,6 @@ pub mod flown;
 pub mod page;
 pub mod plan;
 pub mod quantity;
+pub mod setting;
 pub mod table;
 pub mod table1;

@@ -3,8 +3,20 @@
 use super::flown::Flown;
 use super::table::Table;
 use crate::report::page::document;
+use crate::report::shapes::escaped;
 use crate::sweep::report::{alarms, head, scenario};
 use crate::sweep::results::Results;
+
+/// Words (plain text) that stand out.
+pub fn banner(text: &str) -> String {
+    format!("<div class=\"alarm\"><p><strong>{}</strong></p></div>\n", escaped(text))
+}
+
+/// The banner of a page of these tables, which say what differs from the published setting.
+pub fn banner_of(tables: &[Table]) -> String {
+    let not_published = tables.iter().find_map(|table| table.not_published.as_deref());
+    not_published.map(banner).unwrap_or_default()
+}
 
 /// The page; `again` is the command that makes it again, `figures` is markup.
 pub fn html(
@@ -15,7 +27,8 @@ pub fn html(
     tables: &[Table],
     figures: &str,
 ) -> String {
-    let body = head(results, again)
+    let body = banner_of(tables)
+        + &head(results, again)
         + &format!("<p>{}</p>\n", complaints(runs))
         + &alarms(results)
         + "<h2>Ours beside theirs</h2>\n"
@@ -29,9 +42,10 @@ pub fn html(
 pub fn complaints(runs: &[Vec<Flown>]) -> String {
     let all = || runs.iter().flatten().map(|run| &run.summary);
     let violations: u64 = all().map(|s| s.violations).sum();
+    let checks: u64 = all().map(|s| s.checks).sum();
     let inconsistencies: u64 = all().map(|s| s.inconsistencies).sum();
     format!(
-        "{} missions: {violations} violations, {inconsistencies} inconsistencies",
+        "{} missions: {violations} violations of {checks} checks, {inconsistencies} inconsistencies",
         all().count()
     )
 }

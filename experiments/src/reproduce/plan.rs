@@ -1,9 +1,13 @@
 //! What is flown: fixed sweeps of the shipped `city`.
 
+use super::setting::Deviations;
 use crate::scenario::Mistakes;
 use crate::sweep::manifest::{Manifest, Request, quoted};
 use crate::sweep::plan::clashes;
 use crate::sweep::vary::Axis;
+
+/// How many missions the published means are of, by criterion.
+const MISSIONS: usize = 10;
 
 /// A fixed sweep.
 #[derive(Debug, Clone, Copy)]
@@ -50,6 +54,15 @@ impl Plan {
         let fixed = self.sets.iter().map(|&set| set.to_owned());
         let sets = fixed.chain(sets.iter().cloned()).collect();
         Ok(Request { source: "city".to_owned(), sets, axes, seeds, baseline: false, against: None })
+    }
+
+    /// What differs from the published setting, with the user's own `--set`.
+    ///
+    /// # Errors
+    /// Mistakes in the sets.
+    pub fn deviations(&self, missions: usize, sets: &[String]) -> Result<Deviations, Mistakes> {
+        let plan: Vec<String> = self.sets.iter().map(|&set| set.to_owned()).collect();
+        Deviations::of((missions, MISSIONS, "missions"), &plan, sets)
     }
 
     /// The command that makes it again.

@@ -17,6 +17,10 @@ pub struct Table {
     pub source: &'static str,
     /// What ours is the mean of, and what else there is to say.
     pub note: String,
+    /// What a mark (*) means; empty in a table without marks.
+    pub mark: &'static str,
+    /// What differs from the published setting: then nothing is marked.
+    pub not_published: Option<String>,
     /// The first column's head.
     pub corner: &'static str,
     /// What is compared.
@@ -120,6 +124,19 @@ impl Cell {
 }
 
 impl Table {
+    /// Whether a cell is marked as another than what was published.
+    fn marks(&self, cell: &Cell) -> bool {
+        self.not_published.is_none() && !self.mark.is_empty() && cell.differs()
+    }
+
+    /// The note, with the meaning of marks if there may be some.
+    fn full_note(&self) -> String {
+        match (&self.not_published, self.mark) {
+            (Some(_), _) | (None, "") => self.note.clone(),
+            (None, mark) => format!("{} *: {mark}.", self.note),
+        }
+    }
+
     /// For the terminal.
     pub fn text(&self) -> String {
         let mut lines = vec![vec![String::new()], vec![self.corner.to_owned()]];
@@ -131,20 +148,30 @@ impl Table {
             let mut line = vec![name.clone()];
             for (cell, column) in cells.iter().zip(&self.columns) {
                 let [ours, theirs] = cell.texts(column.decimals);
-                line.extend([ours, theirs + if cell.differs() { " *" } else { "" }]);
+                line.extend([ours, theirs + if self.marks(cell) { " *" } else { "" }]);
             }
             lines.push(line);
         }
-        format!("{} ({})\n{}{}\n", self.title, self.source, aligned(&lines), self.note)
+        let banner = self.not_published.as_ref().map(|banner| format!("{banner}\n"));
+        format!(
+            "{} ({})\n{}{}{}\n",
+            self.title,
+            self.source,
+            banner.unwrap_or_default(),
+            aligned(&lines),
+            self.full_note()
+        )
     }
 
     /// For the page.
     pub fn html(&self) -> String {
+        let banner = self.not_published.as_deref().map(super::page::banner);
         let mut page = format!(
-            "<h3>{}</h3>\n<p>{}. {}</p>\n<div class=\"wide\"><table>\n<thead><tr><th></th>",
+            "<h3>{}</h3>\n{}<p>{}. {}</p>\n<div class=\"wide\"><table>\n<thead><tr><th></th>",
             escaped(&self.title),
+            banner.unwrap_or_default(),
             escaped(self.source),
-            escaped(&self.note)
+            escaped(&self.full_note())
         );
         for column in &self.columns {
             let _ = write!(page, "<th colspan=\"2\">{}</th>", escaped(&column.name));
@@ -157,7 +184,7 @@ impl Table {
             for (cell, column) in cells.iter().zip(&self.columns) {
                 let [ours, theirs] = cell.texts(column.decimals).map(|text| escaped(&text));
                 let (class, mark) =
-                    if cell.differs() { (" class=\"differs\"", " *") } else { ("", "") };
+                    if self.marks(cell) { (" class=\"differs\"", " *") } else { ("", "") };
                 let _ = write!(page, "<td{class}>{ours}</td><td{class}>{theirs}{mark}</td>");
             }
             page += "</tr>\n";
@@ -220,6 +247,8 @@ mod tests {
             title: "Ground".to_owned(),
             source: "table 1",
             note: "Means.".to_owned(),
+            mark: "differs",
+            not_published: None,
             corner: "criterion",
             columns: vec![Column::new("unexplored", "% of the region"), Column::new("b", "m")],
             rows: vec![
@@ -235,6 +264,13 @@ mod tests {
             "  a < b      3.00 ± 1.41   9.00 ± 0.50 *  3.00 ± 1.41  9.00 ± 0.50 *"
         );
         assert_eq!(lines[1].find("b, m"), lines[2].rfind("ours"));
+        assert_eq!(lines.last(), Some(&"Means. *: differs."));
         assert!(table.html().contains("<td class=\"left\">a &lt; b</td>"));
+        assert!(table.html().contains("class=\"differs\""));
+        let other = Table { not_published: Some("Not so: 4 s < 300 s.".to_owned()), ..table };
+        let (text, html) = (other.text(), other.html());
+        assert_eq!(text.lines().nth(1), Some("Not so: 4 s < 300 s."));
+        assert!(!text.contains('*') && !html.contains("differs") && !html.contains('*'), "{text}");
+        assert!(html.contains("Not so: 4 s &lt; 300 s."), "{html}");
     }
 }

@@ -48,9 +48,9 @@ fn table(
     Table {
         title: title.to_owned(),
         source,
-        note: "Mean ± standard deviation over missions, at their end; * differs by more than both \
-               deviations."
-            .to_owned(),
+        note: "Mean ± standard deviation over missions, at their end.".to_owned(),
+        mark: "differs by more than both deviations",
+        not_published: None,
         corner: "criterion",
         columns: quantities.iter().map(|q| Column::new(q.short, q.unit)).collect(),
         rows,

@@ -18,6 +18,7 @@ pub mod tables;
 
 use csat_proto::ids::{AgentId, Incarnation};
 
+use super::page::banner_of;
 use super::table::Table;
 use crate::plug::Mission;
 use crate::report::page;
@@ -71,8 +72,8 @@ impl Chapter4 {
         tables::tables(self)
     }
 
-    /// The page; `again` is the command that makes it again.
-    pub fn html(&self, again: &str) -> String {
+    /// The page with these tables; `again` is the command that makes it again.
+    pub fn html(&self, tables: &[Table], again: &str) -> String {
         let about = page::definitions(&[
             (
                 "scene",
@@ -81,10 +82,11 @@ impl Chapter4 {
             ("looks", format!("{} per setting, which differ in the depth noise", self.seeds)),
             ("again", format!("<code>{}</code>", crate::report::shapes::escaped(again))),
         ]);
-        let tables: String = self.tables().iter().map(Table::html).collect();
+        let banner = banner_of(tables);
+        let tables: String = tables.iter().map(Table::html).collect();
         page::document(
             "Thesis chapter 4, ours beside theirs",
-            &(about + &tables + &figures::all(self)),
+            &(banner + &about + &tables + &figures::all(self)),
         )
     }
 }

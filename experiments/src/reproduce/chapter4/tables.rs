@@ -19,6 +19,8 @@ pub fn tables(seen: &Chapter4) -> Vec<Table> {
             title: family.title.to_owned(),
             source: family.figure,
             note: "Theirs is drawn, not printed.".to_owned(),
+            mark: "",
+            not_published: None,
             corner: "setting, distance",
             columns: size_columns(),
             rows: rows.collect(),
@@ -55,9 +57,9 @@ fn accuracy(looks: &Looks) -> Table {
     Table {
         title: "One look at five cars".to_owned(),
         source: "thesis §4.7.2 and figure 4.11; set radius: chapter 6",
-        note: "Mean ± standard deviation over the looks; * exceeds the bound, or differs by more than \
-               the deviation."
-            .to_owned(),
+        note: "Mean ± standard deviation over the looks.".to_owned(),
+        mark: "exceeds the bound, or differs by more than the deviation",
+        not_published: None,
         corner: "distance",
         columns: size_columns(),
         rows: rows.collect(),
@@ -95,6 +97,8 @@ fn exclusion(seen: &Chapter4) -> Table {
             "Share of the ground behind a car's Target pixels that has no other car in it, by the \
                exclusion (4.17) round its measured set, and by the one round its set estimate."
                 .to_owned(),
+        mark: "differs by more than the deviation",
+        not_published: None,
         corner: "round, heading, distance",
         columns: SEPARATIONS_M.map(|s| Column::new(&format!("cars {s} m apart"), "%")).to_vec(),
         rows,
@@ -110,6 +114,8 @@ fn oem(iou_pct: &[f64]) -> Table {
         note:
             "Their scene is not published: ours has three buildings about where the text has them."
                 .to_owned(),
+        mark: "differs by more than the deviation",
+        not_published: None,
         corner: "scene",
         columns: vec![Column::new("hidden ground, intersection over union", "%")],
         rows: vec![("three buildings".to_owned(), vec![Cell::new(iou_pct, Some(theirs))])],
