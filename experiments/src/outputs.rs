@@ -269,7 +269,7 @@ const SUMMARY: &[Row] = &[
         "",
         "monitor",
         "checks of one promise: `guarantee` (each target lies in the set of each agent), \
-         `obstacle_distance`, `target_distance`, `outside_region`, `speed`, `message_conservation`",
+         `obstacle_distance`, `target_distance`, `outside_region`, `speed`, `building_distance`, `message_conservation`",
         "thesis (3.8), (3.11)",
     ),
     ("checked.*.violations", "", "monitor", "of those, how many found it broken", ""),

@@ -69,6 +69,9 @@ fn broken(promise: Promise) -> Fault {
         }
         Promise::OutsideRegion => Fault::OutsideRegion { target, location },
         Promise::Speed => Fault::Speed { target, moved_m: 3.0, limit_m },
+        Promise::BuildingDistance => {
+            Fault::BuildingDistance { agent: AgentId(0), obstacle: 3, distance_m, limit_m }
+        }
         Promise::MessageConservation => {
             Fault::MessageConservation { counts: MessageCounts::default() }
         }
