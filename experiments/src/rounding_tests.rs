@@ -62,7 +62,7 @@ fn spiky() -> Region {
 #[test]
 fn nearest_millimetres() {
     let shapes = shapes(&Region::rectangle([4.0, 2.0004]));
-    assert_eq!(shapes, [[[[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0]]]]);
+    assert_eq!(shapes, [[[[-2.0, 1.0], [-2.0, -1.0], [2.0, -1.0], [2.0, 1.0]]]]);
 }
 
 #[test]

@@ -132,7 +132,7 @@ fn a_killed_agent_is_noticed_and_comes_back() {
     let events = read(&folder.path().join("out/events.jsonl"));
     assert!(events.contains(r#"{"agent":1,"event":"crashed""#), "{events}");
     let back = events.lines().find(|line| line.contains(r#""event":"restarted""#));
-    assert!(back.is_some_and(|line| line.ends_with("\"incarnation\":1}")), "{events}");
+    assert!(back.is_some_and(|line| line.contains("\"incarnation\":1,")), "{events}");
     let summary = json(&folder.path().join("out/summary.json"));
     assert_eq!(summary["violations"], 0);
     assert_eq!(summary["refused"], json!({}), "nothing but the fleet's own was said");
@@ -398,7 +398,9 @@ fn whoever_is_missing_is_named() {
     let output = end(world);
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");
-    assert!(said.contains("waited 2 s for UAVs 0, 1 to join"), "{said}");
+    // The first may have joined by then or not.
+    let named = ["waited 2 s for UAVs 0, 1 to join", "waited 2 s for UAV 1 to join"];
+    assert!(named.iter().any(|named| said.contains(named)), "{said}");
     let output = end(agent);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     expect_nobody(&endpoint);

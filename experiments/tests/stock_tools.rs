@@ -53,7 +53,8 @@ fn zenoh_cli_and_python_see_what_the_fleet_shows() {
                  \x20   [feature] = json.loads(line)['features']\n\
                  \x20   shape = g.shape(feature['geometry'])\n\
                  \x20   assert shape.is_valid and shape.area > 1, shape\n\
-                 \x20   assert abs(shape.area - feature['properties']['area_m2']) < 0.1, shape.area";
+                 \x20   beyond = shape.area - feature['properties']['area_m2']\n\
+                 \x20   assert -0.1 < beyond < 0.006 * shape.length + 0.1, beyond";
     assert_eq!(shown.len(), 4);
     let parsed = Command::new(&python).args(["-c", check]).args(&shown).output().unwrap();
     assert!(parsed.status.success(), "{}\n{shown:?}", text(&parsed.stderr));

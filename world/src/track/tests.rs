@@ -56,15 +56,15 @@ fn rows_that_make_no_tracks_are_all_named() {
 
 #[test]
 fn tracks_that_keep_to_the_model_have_no_faults() {
-    // At exactly v_max = 1 m/s; round the wall with 3 m to spare; 9 m behind each other.
+    // At exactly v_max = 1 m/s; round the wall with 3 m to spare; 13 m behind each other.
     let both = [
         (0, 0.0, -13.0, -3.0),
         (0, 26.0, 13.0, -3.0),
         (0, 42.0, 13.0, 13.0),
-        (1, 0.0, -22.0, -3.0),
-        (1, 26.0, 4.0, -3.0),
-        (1, 35.0, 13.0, -3.0),
-        (1, 51.0, 13.0, 13.0 - 9.0),
+        (1, 0.0, -26.0, -3.0),
+        (1, 26.0, 0.0, -3.0),
+        (1, 39.0, 13.0, -3.0),
+        (1, 46.0, 13.0, 4.0),
     ];
     assert_eq!(faults(&both), []);
     assert_eq!(faults(&[(0, 5.0, -50.0, 20.0)]), [], "a parked car");
