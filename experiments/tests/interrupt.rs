@@ -10,7 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use common::fleet::wait_until;
-use common::{SMALL, command, csat, json, names, read, scratch, text};
+use common::{SMALL, command, csat, json, names, scratch, text};
 
 /// Looks for the mission's first rows, 20 ms apart.
 const LOOKS: u32 = 3000;
