@@ -20,7 +20,7 @@ const MAX_TILES: usize = 8;
 /// By (3.53) at least one of those pixels shows the target, but not which. Neighbouring pixels of a
 /// row are covered by the convex hull of their pyramids together, which contains each. Dilated, all
 /// hulls of a target overlap, and their union takes time with the square of their number. So a target
-/// seen from so near that it has more than [`MAX_HULLS`] runs is covered by the hulls of tiles of its box,
+/// seen from so near that it has more than `MAX_HULLS` runs is covered by the hulls of tiles of its box,
 /// a fraction of it wide.
 pub fn location(
     view: &CameraView,
