@@ -75,23 +75,21 @@ mod fleet {
     use zenoh::handlers::RingChannel;
     use zenoh::{Config, Session, Wait};
 
-    use super::common::fleet::{end, expect_nobody, mission, processes, spawn, wait_for_flight};
+    use super::common::fleet::{
+        agent_process, end, expect_nobody, mission, processes, signal, spawn, wait_for_flight,
+    };
     use super::common::{csat, json};
     use super::*;
 
-    /// Where processes listen.
-    fn listening(pids: &BTreeSet<u32>) -> Vec<SocketAddr> {
+    /// Where a process listens.
+    fn listening(pid: u32) -> Vec<SocketAddr> {
         let mut own = BTreeSet::new();
-        for pid in pids {
-            for entry in
-                std::fs::read_dir(format!("/proc/{pid}/fd")).into_iter().flatten().flatten()
-            {
-                let link = std::fs::read_link(entry.path()).unwrap_or_default();
-                let link = link.to_string_lossy().into_owned();
-                own.extend(
-                    link.strip_prefix("socket:[").map(|rest| rest.trim_end_matches(']').to_owned()),
-                );
-            }
+        for entry in std::fs::read_dir(format!("/proc/{pid}/fd")).into_iter().flatten().flatten() {
+            let link = std::fs::read_link(entry.path()).unwrap_or_default();
+            let link = link.to_string_lossy().into_owned();
+            own.extend(
+                link.strip_prefix("socket:[").map(|rest| rest.trim_end_matches(']').to_owned()),
+            );
         }
         let mut all = Vec::new();
         for (table, digits) in [("/proc/net/tcp", 8), ("/proc/net/tcp6", 32)] {
@@ -135,6 +133,15 @@ mod fleet {
             config.insert_json5(key, value).unwrap();
         }
         zenoh::open(config).wait()
+    }
+
+    /// The fleet flies on only when all have answered: while an agent is stopped, `then` has as much time as the
+    /// world has patience.
+    fn while_stopped<T>(agent: u32, then: impl FnOnce() -> T) -> T {
+        signal(agent, "-STOP");
+        let got = then();
+        signal(agent, "-CONT");
+        got
     }
 
     fn met(session: &Session) -> usize {
@@ -181,31 +188,43 @@ mod fleet {
             return;
         }
         let mut alone = vec!["run", "--out", "alone", "--seed", "5"];
-        let mission = mission("600");
+        let mission = mission("1500");
         alone.extend(mission.iter().map(String::as_str));
         assert_eq!(csat(folder.path(), &alone).status.code(), Some(0));
 
         let secure = ["--seed", "5", "--zenoh-config", "secure/zenoh.json5"];
-        let fleet = spawn(folder.path(), &endpoint, "600", &secure);
+        let fleet = spawn(folder.path(), &endpoint, "1500", &secure);
         wait_for_flight(folder.path());
+        let [first, second] = [0, 1].map(|id| agent_process(&endpoint, id).expect("an agent"));
         // Nothing listens in the clear, nor on another interface.
         let pids: BTreeSet<u32> = processes(&endpoint).into_iter().map(|(pid, _)| pid).collect();
-        let listening = listening(&pids);
-        assert_eq!(listening.len(), 3, "the world and two agents: {listening:?}");
-        for address in listening {
-            assert!(address.ip().is_loopback(), "{address}");
-            let session = stranger(folder.path(), &format!("tcp/{address}"), None);
-            assert!(session.is_err(), "it takes what is not encrypted: {address}");
+        let mut count = 0;
+        for pid in pids {
+            for address in listening(pid) {
+                assert!(address.ip().is_loopback(), "{address}");
+                // Not the one that is spoken to.
+                let session = while_stopped(if pid == first { second } else { first }, || {
+                    stranger(folder.path(), &format!("tcp/{address}"), None)
+                });
+                assert!(session.is_err(), "it takes what is not encrypted: {address}");
+                count += 1;
+            }
         }
+        assert_eq!(count, 3, "the world and two agents listen");
         // Without a certificate nobody comes in.
-        if let Ok(session) = stranger(folder.path(), &endpoint, None) {
-            std::thread::sleep(std::time::Duration::from_secs(1));
-            assert_eq!(met(&session), 0, "it lets in a peer without a certificate");
-        }
+        while_stopped(first, || {
+            if let Ok(session) = stranger(folder.path(), &endpoint, None) {
+                std::thread::sleep(std::time::Duration::from_secs(1));
+                assert_eq!(met(&session), 0, "it lets in a peer without a certificate");
+            }
+        });
         // With one, a peer may say what is its own, and nothing else.
         for (name, own) in [("spectator", ""), ("uav-1", "1")] {
-            let session = stranger(folder.path(), &endpoint, Some(name)).expect("it is let in");
-            assert!(met(&session) > 0, "{name}");
+            let session = while_stopped(first, || {
+                let session = stranger(folder.path(), &endpoint, Some(name)).expect("it is let in");
+                assert!(met(&session) > 0, "{name}");
+                session
+            });
             forge(&session, own);
             csat_experiments::wire::session::close(session);
         }
