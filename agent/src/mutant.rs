@@ -62,13 +62,17 @@ pub enum Mutant {
     ClockSkewOfSnapshotsIgnored,
     /// The polygon that stands for what a target may do in a period lies within the disc.
     ReachInscribed,
+    /// Airspace that was not seen to be free is flown through.
+    UnseenAirspaceFree,
+    /// A UAV flies on without knowing a way out.
+    NoWayOutNeeded,
     /// The monitor allows a target to be a metre outside of its set.
     MonitorLenient,
 }
 
 impl Mutant {
     /// All of them.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 30] = [
         Self::LateSnapshotNotDilated,
         Self::UnexploredWithoutIdentified,
         Self::ExclusionWithoutDetection,
@@ -96,6 +100,8 @@ impl Mutant {
         Self::ClockSkewOfFactsIgnored,
         Self::ClockSkewOfSnapshotsIgnored,
         Self::ReachInscribed,
+        Self::UnseenAirspaceFree,
+        Self::NoWayOutNeeded,
         Self::MonitorLenient,
     ];
 }

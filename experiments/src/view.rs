@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::rounding::{PER_METRE, polygons};
 use crate::scenario::Loaded;
+use crate::words;
 
 /// A closed ring; the last point is not repeated.
 pub type Ring = Vec<[f64; 2]>;
@@ -40,6 +41,13 @@ pub struct View {
     pub agents: Vec<Knowledge>,
     /// The line that whoever shows the map has to show with it.
     pub attribution: Option<String>,
+}
+
+impl View {
+    /// An agent by name, for people: `UAV 0`, `station 4`.
+    pub fn name_of(&self, agent: usize) -> String {
+        words::named([agent as u16], self.uavs.len() as u16)
+    }
 }
 
 /// A building.

@@ -47,7 +47,7 @@ impl Predictor {
             false => 1.0,
         };
         Self {
-            reach: Reach::new(shrunk * radius_m, vertices),
+            reach: Reach::of_period(shrunk * radius_m, vertices),
             simplify_m: config.estimator.simplify_m.max(SLIVER_M),
             max_vertices: config.estimator.max_vertices as usize,
             hidden_steps: (horizon_s / config.period_s).round() as u32,

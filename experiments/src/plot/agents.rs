@@ -64,10 +64,11 @@ pub fn agents_svg(view: &View) -> String {
 fn heading(agent: usize, knowledge: &Knowledge, view: &View, width: f64) -> Group {
     let unexplored = 100.0 * area_m2(&knowledge.unexplored) / (view.size_m[0] * view.size_m[1]);
     let cars = format!("{} of {} cars", knowledge.targets.len(), view.targets.len());
+    let name = view.name_of(agent);
     let words = if width > 260.0 {
-        format!("agent {agent}: {cars}, {unexplored:.1} % unexplored")
+        format!("{name}: {cars}, {unexplored:.1} % unexplored")
     } else {
-        format!("agent {agent}: {cars}")
+        format!("{name}: {cars}")
     };
     let size = if width > 200.0 { 13.0 } else { 10.0 };
     group("heading").add(text(0.0, -7.0, size, words).set("font-weight", "bold"))

@@ -49,7 +49,7 @@ pub fn legend(x: f64, y: f64, view: &View, agent: Option<usize>) -> Group {
         .set("fill", "#ffffff")
         .set("stroke", colour);
     let track = line(5.0).set("stroke", "#000000").set("stroke-opacity", layers::TRACK_OPACITY);
-    let of = agent.map_or_else(|| "the agent".to_owned(), |agent| format!("agent {agent}"));
+    let of = agent.map_or_else(|| "the agent".to_owned(), |agent| view.name_of(agent));
     let cars = format!("cars, known to {of} and not; their tracks");
     let unseen = box_at(9.0).set("fill", "#ffffff").set("stroke", "#4A4A4A");
     if !view.stations.is_empty() {

@@ -85,7 +85,8 @@ fn header(view: &View, agent: usize, hidden: &Panel, oem: &Panel) -> Group {
         count => format!(", {}", counted(count, "station")),
     };
     let subtitle = format!(
-        "what agent {agent} knows: {known} of {} cars identified; {} UAVs{stations}; {} m x {} m",
+        "what {} knows: {known} of {} cars identified; {} UAVs{stations}; {} m x {} m",
+        view.name_of(agent),
         view.targets.len(),
         view.uavs.len(),
         view.size_m[0],

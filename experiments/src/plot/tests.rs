@@ -243,10 +243,10 @@ fn a_map_shows_the_agent_that_is_asked_for() {
     let view = view_of_two();
     let [first, second] = [0, 1].map(|agent| map_svg(&view, agent));
     assert!(
-        first.contains("what agent 0 knows: 4 of 6 cars") && first.contains("known to agent 0 and")
+        first.contains("what UAV 0 knows: 4 of 6 cars") && first.contains("known to UAV 0 and")
     );
-    assert!(second.contains("what agent 1 knows: 1 of 6 cars"));
-    assert!(second.contains("known to agent 1 and not"));
+    assert!(second.contains("what UAV 1 knows: 1 of 6 cars"));
+    assert!(second.contains("known to UAV 1 and not"));
     // Cars that it does not know are hollow, and the scale of heights is its own.
     let hollow = |svg: &str| {
         let cars = svg.split("class=\"car\"").skip(1);
@@ -261,9 +261,9 @@ fn every_agent_has_a_map_in_the_picture_of_all() {
     let view = view_of_two();
     let svg = agents_svg(&view);
     show("map-agents.svg", &svg);
-    assert!(svg.contains("agent 0: 4 of 6 cars"));
+    assert!(svg.contains("UAV 0: 4 of 6 cars"));
     // Half the region is unexplored.
-    assert!(svg.contains("agent 1: 1 of 6 cars, 50.0 % unexplored"), "{svg}");
+    assert!(svg.contains("UAV 1: 1 of 6 cars, 50.0 % unexplored"), "{svg}");
     assert_eq!(svg.matches("class=\"agent\"").count(), 2);
     assert_eq!(svg.matches("href=\"#ground\"").count(), 2);
     assert_eq!(svg.matches("id=\"ground\"").count(), 1, "the town is written once");

@@ -25,7 +25,7 @@ pub struct Settling<'a> {
     said: BTreeSet<u16>,
     /// Whether sets agreed at any step since all have; before that nothing is known.
     sets: Option<Result<(), String>>,
-    /// What each of the core held last.
+    /// What each of the core held last of what UAVs said: a station's facts prove nothing.
     held: BTreeMap<u16, Vec<HeldFacts>>,
 }
 
@@ -66,7 +66,9 @@ impl<'a> Settling<'a> {
             }
             Ok(Message::Plan(_)) | Err(_) => return,
         };
-        self.held.insert(src, fact.held.facts);
+        let uavs = self.draw.scenario.agents.count;
+        let of_uavs = fact.held.facts.into_iter().filter(|held| held.origin.0 < uavs);
+        self.held.insert(src, of_uavs.collect());
     }
 
     /// All of the core know what the first of it knows. Tells whether sets were compared, too.

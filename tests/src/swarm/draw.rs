@@ -6,7 +6,7 @@ use csat_netem::config::{
     DelayConfig, JammerConfig, LossConfig, NetemConfig, OutageConfig, OutageKind, PartitionConfig,
     RateConfig,
 };
-use csat_proto::model::Driving;
+use csat_proto::model::{Driving, Station};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -41,13 +41,17 @@ impl Draw {
         let mut scenario = town(seed, &mut rng);
         exchange(&mut scenario, &mut rng);
         let end_s = f64::from(STEPS) * scenario.run.period_s;
-        links(&mut scenario.netem, scenario.agents.count, end_s, &mut rng);
-        let count = scenario.agents.count;
+        let count = scenario.agent_count();
+        links(&mut scenario.netem, count, end_s, &mut rng);
         let core: Vec<u16> = (0..count).filter(|_| rng.random_bool(0.7)).collect();
         let core = if core.len() < 2 { vec![0, 1] } else { core };
         let healed = healed(&core, count, end_s, rng.random());
         let settle_steps = settle_steps(&scenario, core.len() as u32);
         let handicaps = handicaps(&mut scenario, &mut rng);
+        let (healed, handicaps) = match scenario.agents.avoid_buildings {
+            true => decided_in_time(&mut scenario, healed, handicaps),
+            false => (healed, handicaps),
+        };
         if rng.random_bool(0.5) {
             scenario.targets.driving = Driving::Evasive;
         }
@@ -70,6 +74,8 @@ impl Draw {
             missed: missed.count() as u64,
             skewed: self.handicaps.iter().any(|h| h.ahead != self.handicaps[0].ahead).into(),
             evasive: (self.scenario.targets.driving == Driving::Evasive).into(),
+            stationed: (!self.scenario.stations.is_empty()).into(),
+            walled: self.scenario.agents.avoid_buildings.into(),
             ..Exercise::default()
         }
     }
@@ -97,6 +103,20 @@ impl Draw {
     }
 }
 
+/// Keeping away from buildings takes decisions in time: processes that crash or miss frames make none, so
+/// their radios fail instead.
+fn decided_in_time(
+    scenario: &mut Scenario,
+    mut healed: NetemConfig,
+    mut handicaps: Vec<Handicap>,
+) -> (NetemConfig, Vec<Handicap>) {
+    for outage in scenario.netem.outage.iter_mut().chain(&mut healed.outage) {
+        outage.kind = OutageKind::Radio;
+    }
+    handicaps.iter_mut().for_each(|handicap| handicap.missed.clear());
+    (healed, handicaps)
+}
+
 /// Clocks that differ by as much as the agents allow for, and frames that are missed, several in a row.
 fn handicaps(scenario: &mut Scenario, rng: &mut ChaCha8Rng) -> Vec<Handicap> {
     let skew = if rng.random_bool(0.25) { rng.random_range(1..=4) } else { 0 };
@@ -111,7 +131,7 @@ fn handicaps(scenario: &mut Scenario, rng: &mut ChaCha8Rng) -> Vec<Handicap> {
         };
         Handicap { ahead, missed: (0..gaps).map(gap).collect() }
     };
-    (0..scenario.agents.count).map(handicap).collect()
+    (0..scenario.agent_count()).map(handicap).collect()
 }
 
 /// A town of a few blocks; another one when the cars find no room.
@@ -136,6 +156,18 @@ fn town(seed: u64, rng: &mut ChaCha8Rng) -> Scenario {
         let schedules =
             [Schedule::Sequential, Schedule::SequentialLoopback, Schedule::Asynchronous];
         scenario.guidance.schedule = schedules[rng.random_range(0..3)];
+        if rng.random_bool(0.3) {
+            let station = |_| {
+                let [x_m, y_m] = [0; 2].map(|_| rng.random_range(-0.6..0.6) * side_m);
+                Station { x_m, y_m, z_m: rng.random_range(0.0..3.0) }
+            };
+            scenario.stations = (0..1 + seed % 2).map(station).collect();
+        }
+        // Now and then buildings are higher than the flights.
+        if rng.random_bool(0.15) {
+            scenario.map.max_height_m = 60.0;
+            scenario.agents.avoid_buildings = true;
+        }
         if world_of(&scenario).is_ok() {
             return scenario;
         }
@@ -255,7 +287,7 @@ fn healed(core: &[u16], agents: u16, end_s: f64, crashed: bool) -> NetemConfig {
 fn settle_steps(scenario: &Scenario, core: u32) -> u32 {
     let steps = |seconds: f64| (seconds / scenario.run.period_s).ceil() as u32;
     let exchange = &scenario.exchange;
-    let turns = 2 * u32::from(scenario.agents.count);
+    let turns = 2 * u32::from(scenario.agent_count());
     let one = steps(exchange.repair_delay_s) + steps(exchange.repair_period_s) + turns + 2;
     match exchange.mode {
         ExchangeMode::FactsRepair => core * one,

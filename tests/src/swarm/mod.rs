@@ -67,6 +67,10 @@ pub struct Exercise {
     pub skewed: u64,
     /// Missions in which the cars evaded.
     pub evasive: u64,
+    /// Missions with ground stations.
+    pub stationed: u64,
+    /// Missions among buildings higher than the flights.
+    pub walled: u64,
 }
 
 impl Exercise {
@@ -88,6 +92,8 @@ impl Exercise {
             missed: self.missed + other.missed,
             skewed: self.skewed + other.skewed,
             evasive: self.evasive + other.evasive,
+            stationed: self.stationed + other.stationed,
+            walled: self.walled + other.walled,
         }
     }
 }

@@ -37,6 +37,7 @@ use csat_proto::time::Step;
 use super::turning::Turning;
 use crate::config::AgentConfig;
 use crate::estimate::oem::Oem;
+use crate::mutant::{Mutant, is_on};
 
 mod seen;
 mod ways;
@@ -82,7 +83,10 @@ impl Airspace {
         let mut unknown = Raster::empty(grid);
         let [x, y] = config.ground.size_m.map(|size_m| 0.5 * (size_m + CELL_M));
         let columns = grid.columns_between(-x, x.next_up());
-        grid.rows_between(-y, y.next_up()).for_each(|row| unknown.set_run(row, columns.clone()));
+        if !is_on(Mutant::UnseenAirspaceFree) {
+            let rows = grid.rows_between(-y, y.next_up());
+            rows.for_each(|row| unknown.set_run(row, columns.clone()));
+        }
         Some(Self {
             turning: Turning::new(config, &increments),
             increments,

@@ -11,6 +11,7 @@ use super::super::turning::Turning;
 use super::Airspace;
 use crate::config::AgentConfig;
 use crate::estimate::oem::Oem;
+use crate::mutant::{Mutant, is_on};
 
 /// A smaller increment is no turn, radians.
 const LEAST_TURN_RAD: f64 = 0.1;
@@ -201,6 +202,9 @@ impl<'a> Ways<'a> {
     /// straight ahead, or the same after another turn.
     fn find_behind(&self, increment: usize) -> Option<WayOut> {
         let end = self.fly(&self.pose, increment)?;
+        if is_on(Mutant::NoWayOutNeeded) {
+            return Some(WayOut { ahead: Vec::new(), side: increment });
+        }
         let straight_on = self.find_ahead(&end, Vec::new());
         straight_on.or_else(|| {
             let turns = (0..self.airspace.increments.len())
