@@ -29,14 +29,27 @@ const RUNS: usize = 512;
 
 /// The finest of the messages that `said` makes at levels 0, 1, … that has no more vertices than others
 /// accept and fits into `limit` bytes with its envelope: its level, and itself as a body.
-pub fn fit(limit: f64, max_vertices: u32, said: impl Fn(u32) -> Message) -> Option<(u32, Vec<u8>)> {
+///
+/// Each level is shorter than the one before, so the search begins at `first`, where it ended last time: making
+/// all the finer ones would cost more than everything else that an agent does with a small budget.
+pub fn fit(
+    limit: f64,
+    max_vertices: u32,
+    first: u32,
+    said: impl Fn(u32) -> Message,
+) -> Option<(u32, Vec<u8>)> {
     let room = limit - Envelope::HEADER_BYTES_MAX as f64;
-    (0..=LEVELS).find_map(|level| {
+    let at = |level: u32| {
         let message = said(level);
         check_vertices(max_vertices, &message).ok()?;
         let body = encode(&message);
         (body.len() as f64 <= room).then_some((level, body))
-    })
+    };
+    let first = first.min(LEVELS);
+    match at(first) {
+        Some(fitting) => Some((0..first).rev().map_while(at).last().unwrap_or(fitting)),
+        None => (first + 1..=LEVELS).find_map(at),
+    }
 }
 
 /// The body of a message.
@@ -158,4 +171,31 @@ fn boxed(region: &Region) -> Region {
     let Some(GridBox { min, max }) = region.bounds() else { return Region::EMPTY };
     let corners = [min, GridPoint::new(max.x, min.y), max, GridPoint::new(min.x, max.y)];
     Region::from_shapes(vec![vec![corners.to_vec()]])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use csat_proto::camera::Pose;
+    use csat_proto::message::Plan;
+    use csat_proto::time::Step;
+
+    /// The shorter the higher the level.
+    fn said(level: u32) -> Message {
+        let poses = vec![Pose::default(); (2 * (LEVELS - level) + 1) as usize];
+        Message::Plan(Plan { step: Step(1), pass: 0, poses })
+    }
+
+    #[test]
+    fn wherever_the_search_begins_it_ends_with_the_finest_that_fits() {
+        let header = Envelope::HEADER_BYTES_MAX as f64;
+        let bytes = |level: u32| encode(&said(level)).len() as f64 + header;
+        for first in 0..LEVELS + 3 {
+            for level in 0..=LEVELS {
+                let found = fit(bytes(level), u32::MAX, first, said);
+                assert_eq!(found, Some((level, encode(&said(level)))), "from {first}");
+            }
+            assert_eq!(fit(bytes(LEVELS) - 1.0, u32::MAX, first, said), None);
+        }
+    }
 }

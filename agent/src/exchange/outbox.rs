@@ -114,6 +114,8 @@ pub struct Outbox {
     /// How many of them are kept for the next snapshot.
     saved: f64,
     withheld: u64,
+    /// The level of simplification of the last message on a channel.
+    levels: BTreeMap<ChannelId, u32>,
     queue: VecDeque<Transmit>,
 }
 
@@ -130,6 +132,7 @@ impl Outbox {
             credit: 0.0,
             saved: 0.0,
             withheld: 0,
+            levels: BTreeMap::new(),
             queue: VecDeque::new(),
         }
     }
@@ -230,7 +233,7 @@ impl Outbox {
         let known = known(knowledge);
         let here = [[pose.p_world[0], pose.p_world[1]]];
         let max_vertices = self.config.exchange.max_vertices;
-        let (_, body) = fit(f64::INFINITY, max_vertices, |level| {
+        let (_, body) = fit(f64::INFINITY, max_vertices, 0, |level| {
             let short = Shortener::new(level, &here, knowledge.ground());
             Message::Snapshot(Box::new(short.snapshot(&fact, &known)))
         })?;
@@ -286,33 +289,34 @@ impl Outbox {
     }
 
     fn say_fact(&mut self, news: &News<'_>, repair: &mut Repair, limit: f64) -> Option<Said> {
-        let max_vertices = self.config.exchange.max_vertices;
-        let (level, body) = fit(limit, max_vertices, |level| Message::Fact(news.fact_at(level)))?;
-        Some(self.say_news(self.config.channels.facts, news, repair, level, body))
+        let channel = self.config.channels.facts;
+        self.say_news(channel, news, repair, limit, |level| Message::Fact(news.fact_at(level)))
     }
 
     fn say_snapshot(&mut self, news: &News<'_>, repair: &mut Repair) -> Option<Said> {
         let known = known(news.account.knowledge);
-        let max_vertices = self.config.exchange.max_vertices;
-        let (level, body) = fit(self.credit, max_vertices, |level| {
+        let channel = self.config.channels.snapshots;
+        self.say_news(channel, news, repair, self.credit, |level| {
             Message::Snapshot(Box::new(news.snapshot_at(level, &known)))
-        })?;
-        Some(self.say_news(self.config.channels.snapshots, news, repair, level, body))
+        })
     }
 
-    /// Says what fitted at a level.
+    /// Says the finest of the messages that fits.
     fn say_news(
         &mut self,
         channel: ChannelId,
         news: &News<'_>,
         repair: &mut Repair,
-        level: u32,
-        body: Vec<u8>,
-    ) -> Said {
+        limit: f64,
+        message: impl Fn(u32) -> Message,
+    ) -> Option<Said> {
         let Account { now, step, pose, .. } = *news.account;
+        let first = self.levels.get(&channel).copied().unwrap_or_default();
+        let (level, body) = fit(limit, self.config.exchange.max_vertices, first, message)?;
+        self.levels.insert(channel, level);
         repair.blocks_said(step, news.blocks_at(level));
         let identity = self.say(channel, now, step, pose, body);
-        Said { identity, in_full: level == 0 }
+        Some(Said { identity, in_full: level == 0 })
     }
 
     fn say(

@@ -7,11 +7,10 @@ use super::{Disc, Inner, Outer, RULE, overlay};
 
 /// The largest disc that sets are swept with at once, metres.
 const FIRST_STAGE_M: f64 = 1.0;
-/// The same where sets are swept in each period, so that what a simplification adds would add up: the way
-/// that a car goes in a period is hardly longer.
-const FIRST_STAGE_OF_PERIOD_M: f64 = 2.0;
 /// Before each stage sets are simplified by this share of its disc's radius.
 const STAGE_TOLERANCE: f64 = 1.0 / 32.0;
+/// The same where sets are swept in each period, so that what a simplification adds adds up.
+const STAGE_TOLERANCE_OF_PERIOD: f64 = 1.0 / 1024.0;
 
 /// A disc of any size, in stages.
 ///
@@ -39,20 +38,20 @@ impl Reach {
     /// A disc of `radius_m`, by circumscribed polygons of `vertices` corners. One stage will do for up to
     /// a metre.
     pub fn new(radius_m: f64, vertices: u16) -> Self {
-        Self::staged(radius_m, vertices, FIRST_STAGE_M)
+        Self::staged(radius_m, vertices, STAGE_TOLERANCE)
     }
 
-    /// The same for what is swept in each period: one stage will do for up to two metres.
+    /// The same for what is swept in each period, with finer simplifications.
     pub fn of_period(radius_m: f64, vertices: u16) -> Self {
-        Self::staged(radius_m, vertices, FIRST_STAGE_OF_PERIOD_M)
+        Self::staged(radius_m, vertices, STAGE_TOLERANCE_OF_PERIOD)
     }
 
-    fn staged(radius_m: f64, vertices: u16, first_m: f64) -> Self {
+    fn staged(radius_m: f64, vertices: u16, tolerance: f64) -> Self {
         let mut stages = Vec::new();
         let mut done_m = 0.0;
         while done_m < radius_m && radius_m.is_finite() {
-            let part_m = (radius_m - done_m).min(f64::max(done_m, first_m));
-            let tolerance_m = part_m * STAGE_TOLERANCE;
+            let part_m = (radius_m - done_m).min(f64::max(done_m, FIRST_STAGE_M));
+            let tolerance_m = part_m * tolerance;
             let disc = Disc::circumscribed(part_m, vertices);
             stages.push(Stage { disc, radius_m: part_m, tolerance_m });
             done_m += part_m;
