@@ -11,7 +11,7 @@ set -eu
 cd "$(dirname "$0")/.."
 seconds="${1:-60}"
 target="${CARGO_TARGET_DIR:-target}"
-cargo build --release --quiet --locked -p csat-experiments --example stage
+cargo build --release --quiet --locked --example stage
 out="$(mktemp -d)"
 trap 'rm -rf "$out"' EXIT
 calls="$(RAYON_NUM_THREADS=1 valgrind --tool=callgrind --toggle-collect='*stage_*' \

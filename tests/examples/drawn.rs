@@ -1,6 +1,7 @@
 //! Flies drawn legal scenarios, or scenario files, and prints how fast they go.
 //!
-//! Usage: `drawn FIRST COUNT` flies the scenarios of so many seeds; `drawn FILE...` flies files. A line each:
+//! Usage: `drawn FIRST COUNT` flies the scenarios of so many seeds; `drawn SEED` prints the scenario of one, for
+//! `csat run`; `drawn FILE...` flies files. A line each:
 //! simulated seconds, times real time by the clock and on two cores that are always busy, the most vertices
 //! of a set, how often anything was violated, and what `csat check` warns of.
 
@@ -44,6 +45,7 @@ fn fly(name: &str, loaded: Loaded) {
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(|a| a.parse::<u64>()).collect::<Result<Vec<u64>, _>>().as_deref() {
+        Ok(&[seed]) => print!("{}", drawn::scenario(seed).scenario.to_toml()),
         Ok(&[first, count]) => {
             (first..first + count).for_each(|seed| fly(&seed.to_string(), drawn::scenario(seed)));
         }

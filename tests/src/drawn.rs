@@ -6,8 +6,9 @@
 use csat_agent::config::{Criterion, ExchangeMode, Schedule};
 use csat_agent::estimate::state::Knowledge;
 use csat_experiments::scenario::{self, Loaded, Request, Scenario};
-use csat_netem::config::{DelayConfig, LossConfig, OutageConfig, OutageKind};
+use csat_netem::config::{DelayConfig, LossConfig, OutageConfig, OutageKind, PartitionConfig};
 use csat_proto::camera::Assumption;
+use csat_proto::model::Station;
 use csat_proto::region::Region;
 use csat_world::map::MapKind;
 use rand::seq::IndexedRandom;
@@ -89,7 +90,7 @@ fn town(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
 
 fn cars(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
     let targets = &mut scenario.targets;
-    targets.count = pick(rng, &[1, 2, 4, 8, 15, 30]);
+    targets.count = pick(rng, &[0, 1, 2, 4, 8, 15, 30]);
     targets.v_max_m_s = pick(rng, &[0.0, 0.5, 1.0, 1.0, 3.0, 20.0, 50.0, 100.0]);
     targets.obstacle_distance_m = pick(rng, &[0.0, 0.5, 2.5, 5.0]);
     targets.body_m = pick(rng, &[[4.6, 1.8, 1.5], [4.2, 0.8, 0.6], [3.0, 3.0, 2.0]]);
@@ -101,7 +102,15 @@ fn cars(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
 
 fn fleet(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
     let floor_m = scenario.map.max_height_m + 2.5;
+    let size_m = scenario.map.size_m;
+    let station = |rng: &mut ChaCha8Rng| {
+        let [x_m, y_m] = size_m.map(|side_m| rng.random_range(-0.5..0.5) * side_m);
+        Station { x_m, y_m, z_m: pick(rng, &[0.0, 2.0, 30.0]) }
+    };
+    let stations = pick(rng, &[0, 0, 0, 1, 3]);
+    scenario.stations = (0..stations).map(|_| station(rng)).collect();
     let agents = &mut scenario.agents;
+    agents.avoid_buildings = rng.random_bool(0.1);
     agents.count = pick(rng, &[1, 2, 4, 4, 6, 9, 12]);
     agents.speed_m_s = pick(rng, &[1.0, 5.0, 5.0, 15.0, 60.0, 300.0]);
     agents.altitude_m = pick(rng, &[floor_m, floor_m + 5.0, 52.0, 61.0, 90.0, 150.0]);
@@ -185,10 +194,13 @@ fn exchange(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
 }
 
 fn links(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
-    let (count, end_s) = (scenario.agents.count, scenario.run.duration_s);
+    let (count, end_s) = (scenario.agent_count(), scenario.run.duration_s);
     let netem = &mut scenario.netem;
     netem.radio.range_m = pick(rng, &[f64::INFINITY, 50.0, 250.0]);
-    netem.radio.loss = LossConfig::Iid { p: pick(rng, &[0.0, 0.0, 0.4, 0.8]) };
+    netem.radio.loss = match rng.random_range(0..4) {
+        0 => LossConfig::GilbertElliott { p: rng.random_range(0.0..0.5), r: 0.3, h: 0.1, k: 1.0 },
+        _ => LossConfig::Iid { p: pick(rng, &[0.0, 0.0, 0.4, 0.8]) },
+    };
     netem.radio.delay = match rng.random_range(0..3) {
         0 => {
             DelayConfig::Pareto { mean_s: rng.random_range(0.1..3.0), shape: 2.5, correlation: 0.0 }
@@ -196,6 +208,12 @@ fn links(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
         _ => DelayConfig::Constant { mean_s: 0.0 },
     };
     netem.radio.duplication = pick(rng, &[0.0, 0.1, 1.0]);
+    if count > 1 && rng.random_bool(0.2) {
+        let cut = rng.random_range(1..count);
+        let (groups, one_way) = (vec![(0..cut).collect(), (cut..count).collect()], false);
+        let from_s = rng.random_range(0.0..end_s);
+        netem.partition.push(PartitionConfig { from_s, until_s: end_s, groups, one_way });
+    }
     for agent in 0..count {
         if !rng.random_bool(0.2) {
             continue;

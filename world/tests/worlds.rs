@@ -6,6 +6,7 @@ use csat_proto::ids::TargetId;
 use csat_proto::model::Driving;
 use csat_world::map::{MapConfig, MapKind};
 use csat_world::obstacle::Obstacle;
+use csat_world::target::TargetTruth;
 use csat_world::truth::Knowledge;
 use csat_world::world::{World, WorldConfig};
 use geo::{
@@ -40,29 +41,43 @@ impl Knowledge for Ignorant {
     }
 }
 
+/// Drives for `steps`, watched by the monitor: `drove` is given the world and each car before and after a
+/// period, with the way between.
+fn drive(
+    name: &str,
+    world: &mut World,
+    steps: u32,
+    mut drove: impl FnMut(&World, &TargetTruth, &TargetTruth, f64),
+) {
+    let mut monitor = world.monitor();
+    for _ in 0..steps {
+        let before = world.targets().to_vec();
+        let violations = monitor.check(world.step(), &[&Ignorant], world.targets());
+        assert_eq!(violations, [], "{name}");
+        world.advance();
+        for (now, before) in world.targets().iter().zip(&before) {
+            let d = [0, 1].map(|i| now.location[i] - before.location[i]);
+            drove(world, before, now, d[0].hypot(d[1]));
+        }
+    }
+}
+
 #[test]
 fn separations_hold_for_300_seconds() {
     for (name, config) in worlds() {
+        let limit_m = config.targets.v_max_m_s * config.period_s;
         for seed in 0..10 {
             let mut world = World::new(&config, seed).unwrap();
-            let mut monitor = world.monitor();
-            let start: Vec<_> = world.targets().to_vec();
-            for _ in 0..600 {
-                let before = world.targets().to_vec();
-                let violations = monitor.check(world.step(), &[&Ignorant], world.targets());
-                assert_eq!(violations, [], "{name}, seed {seed}");
-                world.advance();
-                for (now, before) in world.targets().iter().zip(&before) {
-                    let d = [0, 1].map(|i| now.location[i] - before.location[i]);
-                    let limit = config.targets.v_max_m_s * config.period_s;
-                    assert!(d[0].hypot(d[1]) <= limit + 1e-9, "{name}, seed {seed}");
-                    // The speed is drawn once.
-                    assert_eq!(now.speed_m_s, before.speed_m_s);
-                }
-            }
+            let start = world.targets().to_vec();
+            let what = format!("{name}, seed {seed}");
+            drive(&what, &mut world, 600, |_, before, now, way_m| {
+                assert!(way_m <= limit_m + 1e-9, "{what}");
+                // The speed is drawn once.
+                assert_eq!(now.speed_m_s, before.speed_m_s);
+            });
             let moved =
                 world.targets().iter().zip(&start).filter(|(a, b)| a.location != b.location);
-            assert!(moved.count() >= 6, "{name}, seed {seed}: cars stand still");
+            assert!(moved.count() >= 6, "{what}: cars stand still");
         }
     }
 }
@@ -71,29 +86,23 @@ fn separations_hold_for_300_seconds() {
 fn cars_that_evade_use_all_that_the_model_allows_and_no_more() {
     for (name, mut config) in worlds() {
         config.targets.driving = Driving::Evasive;
+        let limit_m = config.targets.v_max_m_s * config.period_s;
         for seed in 0..3 {
             let mut world = World::new(&config, seed).unwrap();
-            let mut monitor = world.monitor();
             let (mut moves, mut at_v_max, mut off_road) = (0, 0, 0);
-            for _ in 0..300 {
-                let before = world.targets().to_vec();
-                let violations = monitor.check(world.step(), &[&Ignorant], world.targets());
-                assert_eq!(violations, [], "{name}, seed {seed}");
-                world.advance();
-                for (now, before) in world.targets().iter().zip(&before) {
-                    let d = [0, 1].map(|i| now.location[i] - before.location[i]);
-                    let limit_m = config.targets.v_max_m_s * config.period_s;
-                    moves += 1;
-                    at_v_max += u32::from(d[0].hypot(d[1]) > limit_m - 1e-9);
-                    let road = world.roads().edges().iter().map(|edge| {
-                        let line = geo::LineString::from(edge.line.clone());
-                        Euclidean.distance(&Point::from(now.location), &line)
-                    });
-                    off_road += u32::from(road.fold(f64::INFINITY, f64::min) > 1.0);
-                }
-            }
-            assert!(at_v_max * 10 > moves * 9, "{name}, seed {seed}: {at_v_max} of {moves}");
-            assert!(off_road * 2 > moves, "{name}, seed {seed}: {off_road} of {moves}");
+            let what = format!("{name}, seed {seed}");
+            drive(&what, &mut world, 300, |world, _, now, way_m| {
+                moves += 1;
+                assert!(way_m <= limit_m + 1e-9, "{what}");
+                at_v_max += u32::from(way_m > limit_m - 1e-9);
+                let road = world.roads().edges().iter().map(|edge| {
+                    let line = geo::LineString::from(edge.line.clone());
+                    Euclidean.distance(&Point::from(now.location), &line)
+                });
+                off_road += u32::from(road.fold(f64::INFINITY, f64::min) > 1.0);
+            });
+            assert!(at_v_max * 10 > moves * 9, "{what}: {at_v_max} of {moves}");
+            assert!(off_road * 2 > moves, "{what}: {off_road} of {moves}");
         }
     }
 }
