@@ -80,6 +80,16 @@ pub struct Summary {
     pub digest: String,
 }
 
+impl Summary {
+    /// Checks that `value` is a summary.
+    ///
+    /// # Errors
+    /// What it lacks, or has otherwise.
+    pub fn check(value: &serde_json::Value) -> Result<(), String> {
+        Self::deserialize(value).map(drop).map_err(|e| format!("its summary is none: {e}"))
+    }
+}
+
 /// What became of the messages, per receiver.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Messages {

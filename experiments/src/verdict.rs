@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use csat_world::truth::Promise;
+
 use crate::summary::Summary;
 
 /// All is well.
@@ -26,19 +28,34 @@ pub struct Verdict {
 
 /// Judges a mission that was recorded in `folder`. Ended early or not, a violation counts most.
 pub fn verdict(summary: &Summary, folder: &Path) -> Verdict {
-    let Summary { violations, scenario, seed, interrupted, .. } = summary;
+    let Summary { violations, checked, scenario, seed, interrupted, .. } = summary;
     if *violations == 0 {
         return Verdict { code: if *interrupted { INTERRUPTED } else { DONE }, alarm: None };
     }
     let times = if *violations == 1 { "once".to_owned() } else { format!("{violations} times") };
     let folder = folder.display();
+    let broken = checked.iter().filter(|(_, checked)| checked.violations > 0);
+    let broken: Vec<&str> = broken.map(|(promise, _)| words_of(promise)).collect();
+    let broken = if broken.is_empty() { "see below".to_owned() } else { broken.join(", ") };
     let alarm = format!(
-        "VIOLATED {times}: what is guaranteed (a target outside the set of an agent, cars too close \
-         to a wall or to each other, a message unaccounted for) did not hold in {scenario}, seed \
-         {seed}\n  = see the lines \"violation\" of `{folder}/events.jsonl`\n  = fly it again with \
-         `csat run {folder}/scenario.resolved.toml`"
+        "VIOLATED {times}: what is guaranteed did not hold in {scenario}, seed {seed}: {broken}\n  = see \
+         the lines \"violation\" of `{folder}/events.jsonl`\n  = fly it again with `csat run \
+         {folder}/scenario.resolved.toml`"
     );
     Verdict { code: VIOLATED, alarm: Some(alarm) }
+}
+
+/// What happens when a promise is broken.
+fn words_of(promise: Promise) -> &'static str {
+    match promise {
+        Promise::Guarantee => "a target outside the set of an agent",
+        Promise::ObstacleDistance => "a car too close to a wall",
+        Promise::TargetDistance => "cars too close to each other",
+        Promise::OutsideRegion => "a car outside the region",
+        Promise::Speed => "a car too fast",
+        Promise::BuildingDistance => "a UAV too close to a building",
+        Promise::MessageConservation => "a message unaccounted for",
+    }
 }
 
 #[cfg(test)]
@@ -73,5 +90,17 @@ mod tests {
             }
         }
         assert!(judge(1, false).alarm.unwrap().starts_with("VIOLATED once: "));
+    }
+
+    #[test]
+    fn what_was_broken_is_named() {
+        let counts = r#"{"guarantee": {"checks": 9, "violations": 0},
+            "building_distance": {"checks": 4, "violations": 2}}"#;
+        let checked = serde_json::from_str(counts).unwrap();
+        let summary = Summary { violations: 2, checked, ..sample() };
+        let alarm = verdict(&summary, Path::new("out")).alarm.unwrap();
+        let first = "VIOLATED 2 times: what is guaranteed did not hold in city, seed 7: a UAV too close \
+                     to a building\n";
+        assert!(alarm.starts_with(first), "{alarm}");
     }
 }

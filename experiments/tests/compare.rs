@@ -117,7 +117,7 @@ fn what_cannot_be_compared_is_refused_with_its_name() {
         ("nowhere", "error: there is no folder `nowhere`\n  = expected the folder of a run"),
         ("empty", "error: there is nothing to compare in `empty`\n"),
         ("cut", "error: `cut/summary.json` is not the summary of a run: EOF"),
-        ("bare", "error: `bare/provenance.json` is not the provenance of a run: "),
+        ("bare", "error: `bare/summary.json` is not the summary of a run: its summary is none: "),
         (
             "tables",
             "`tables` is the folder of a reproduction without missions\n  = expected two runs",

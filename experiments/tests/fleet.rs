@@ -446,9 +446,11 @@ fn bad_configurations_of_zenoh_are_refused() {
     let folder = scratch();
     std::fs::write(folder.path().join("zenoh.json5"), "{mode: 'queen'}").unwrap();
     std::fs::write(folder.path().join("client.json5"), "{mode: 'client'}").unwrap();
+    std::fs::write(folder.path().join("deaf.json5"), "{listen: 7, connect: []}").unwrap();
     for (arguments, expected) in [
         (&["--zenoh-config", "zenoh.json5"][..], "cannot use the Zenoh configuration"),
         (&["--zenoh-config", "none.json5"], "cannot use the Zenoh configuration"),
+        (&["--zenoh-config", "deaf.json5"], "cannot use the Zenoh configuration"),
         (&["--zenoh-config", "client.json5"], "expected mode: \"peer\""),
         (&["--connect", "somewhere"], "`somewhere` is no Zenoh endpoint"),
         (&["--connect", "quic/127.0.0.1:1"], "only, not for quic\n  = expected such as tcp/"),
@@ -458,6 +460,25 @@ fn bad_configurations_of_zenoh_are_refused() {
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(said.contains(expected), "{said}");
     }
+}
+
+/// Whoever is to connect must be told which.
+#[test]
+fn any_free_port_will_do() {
+    let folder = scratch();
+    let output = end(spawn(folder.path(), "tcp/127.0.0.1:0", "2", &[]));
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("2 agents on tcp/127.0.0.1:") && !said.contains(":0;"), "{said}");
+    let mission = mission("2");
+    let mut world =
+        vec!["world", "--listen", "tcp/127.0.0.1:0", "--out", "lone", "--patience", "1"];
+    world.extend(mission.iter().map(String::as_str));
+    let output = csat(folder.path(), &world);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    let told = said.lines().find_map(|line| line.strip_prefix("listens on tcp/127.0.0.1:"));
+    assert!(told.is_some_and(|port| port != "0"), "{said}");
 }
 
 /// A peer that belongs to no fleet.

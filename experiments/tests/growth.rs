@@ -159,14 +159,24 @@ fn a_file_that_is_no_run_is_flown_again_and_said() {
     assert_eq!(text(&resumed.stderr).matches("; it is flown again\n").count(), 3);
     assert_eq!((results(&out), runs(&out)), expected);
 
+    // JSON that holds no summary is none either.
+    let whole_text = read(&whole);
+    for (from, to, reason) in [
+        ("\"unexplored_pct\": ", "\"unexplored_pct\": \"x\", \"was\": ", "its summary is none: "),
+        ("\"summary\": ", "\"summary\": null, \"was\": ", "it has neither a summary nor why"),
+    ] {
+        fs::write(&whole, whole_text.replacen(from, to, 1)).unwrap();
+        let resumed = sweep(base.path(), &[&small[..], &["--resume"]].concat());
+        let said = text(&resumed.stderr);
+        assert!(said.contains(&format!(".json` is no run: {reason}")), "{reason} in {said}");
+        assert_eq!((results(&out), runs(&out)), expected);
+    }
+
     // A manifest that is gone is made anew by the command; one that is cut is named.
     fs::write(out.join("sweep.json"), "{").unwrap();
     let again = [&small[..], &["--resume"]].concat();
     refused(base.path(), &again, &["out/sweep.json` is not the manifest", "without the file"]);
     fs::remove_file(out.join("sweep.json")).unwrap();
-    for name in ["sweep.csv", "sweep_means.csv", "sweep_pairs.csv", "report.html"] {
-        fs::remove_file(out.join(name)).unwrap();
-    }
     let before = as_written(&out);
     done(base.path(), &again);
     assert_eq!((results(&out), as_written(&out)), (expected.0, before));

@@ -209,7 +209,7 @@ fn what_another_agent_knows_can_be_drawn() {
         let output = csat(base.path(), &["plot", "out", "--agent", agent]);
         assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), String::new()));
         assert_eq!(text(&output.stdout), format!("out/{name}\n"));
-        assert!(read(&folder.join(name)).contains("agent 1"));
+        assert!(read(&folder.join(name)).contains("UAV 1"));
     }
     let before = names(&folder);
     for (agent, expected) in [
@@ -251,6 +251,8 @@ fn plot_says_what_is_wrong_with_a_folder() {
     expect("out/summary.json", "out/summary.json/view.json`");
     let rows = read(&metrics);
     std::fs::write(&metrics, rows.replacen("\n0,", "\nzero,", 1)).unwrap();
+    expect("out", "out/metrics.csv`");
+    std::fs::write(&metrics, "").unwrap();
     expect("out", "out/metrics.csv`");
     std::fs::write(&summary, "{ \"scenario\": 5 }").unwrap();
     expect("out", "out/summary.json`");

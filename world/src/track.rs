@@ -135,6 +135,7 @@ impl fmt::Display for TrackFault {
                 write!(f, "car {target} leaves the region at ({x}, {y})")
             }
             Self::Obstacle { target, name, distance_m, .. } => {
+                let name = name.strip_prefix("building ").unwrap_or(name);
                 write!(f, "car {target} comes within {distance_m:.3} m of the building {name}")
             }
             Self::Separation { target, other, time_s, distance_m, .. } => write!(

@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use crate::provenance::{Build, Provenance};
 use crate::scenario::MAP_FILE;
+use crate::summary::Summary;
 use crate::sweep::SweepError;
 use crate::sweep::folder::SweepFolder;
 use crate::sweep::record::RunRecord;
@@ -78,6 +79,11 @@ fn file(folder: &Path, name: &str, expected: &'static str) -> Result<String, Swe
 
 fn run(folder: &Path) -> Result<Run, SweepError> {
     let summary = json::<Value>(folder, "summary.json", "the summary of a run")?;
+    Summary::check(&summary).map_err(|reason| SweepError::Unreadable {
+        path: folder.join("summary.json"),
+        expected: "the summary of a run",
+        reason,
+    })?;
     let Provenance { version, git_revision, git_dirty, machine, arguments, .. } =
         json(folder, "provenance.json", "the provenance of a run")?;
     let record = RunRecord {

@@ -110,6 +110,9 @@ pub fn redraw(folder: &Path) -> Result<[PathBuf; 2], PlotError> {
     let path = folder.join("metrics.csv");
     let unreadable = |e: csv::Error| PlotError::Read { path: path.clone(), reason: e.to_string() };
     let curves = Curves::read(&path).map_err(unreadable)?;
+    if curves.fleet.0.is_empty() {
+        return Err(PlotError::Read { path, reason: "it has no rows".to_owned() });
+    }
     let pictures = [
         (folder.join("map.svg"), map_svg(&view, 0)),
         (folder.join("metrics.svg"), metrics_svg(&summary, &curves)?),

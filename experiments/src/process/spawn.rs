@@ -27,7 +27,7 @@ use crate::scenario::Loaded;
 use crate::tell;
 use crate::verdict::{FAILED, INTERRUPTED};
 use crate::wire::config::{DEFAULT_ADDRESS, scheme};
-use crate::wire::session::WireError;
+use crate::wire::session::{self, WireError};
 use crate::words::named;
 
 /// How long agents may take to hear of the end of their world, and how long to end when they are let go.
@@ -143,7 +143,7 @@ fn wake(pid: Option<u32>) {
 
 async fn supervise(arguments: &SpawnArguments, loaded: &Loaded) -> Result<u8, SpawnError> {
     let endpoint = match &arguments.listen {
-        Some(endpoint) => endpoint.clone(),
+        Some(endpoint) => session::with_a_port(endpoint),
         None => {
             let scheme = scheme(arguments.zenoh_config.as_deref())?;
             format!("{scheme}/{}", free_address().map_err(SpawnError::Port)?)

@@ -67,6 +67,12 @@ pub fn explain(
         Some("delay") if path.starts_with("netem.") => Some(DELAY.to_owned()),
         _ => expected,
     };
+    let expected = match (what.as_str(), expected.as_deref()) {
+        ("a table", Some("a list")) => {
+            Some(format!("a list of tables, `{path} = [{{ … }}]` or `[[{path}]]`"))
+        }
+        _ => expected,
+    };
     let mut mistake = Mistake::new(format!("`{path}` cannot be {what}"));
     if let Some(expected) = expected {
         mistake = mistake.expected(expected);

@@ -289,8 +289,11 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
     // A shipped map is larger than the region on purpose.
     let is_shipped = map.as_ref().is_some_and(|map| map.is_shipped);
     let is_cut = |w: &MapWarning| matches!(w, MapWarning::LeftOut { reason: LeftOut::Outside, .. });
-    let told: Vec<MapWarning> =
-        map_warnings.iter().filter(|w| !(is_shipped && is_cut(w))).cloned().collect();
+    // Where heights are refused they are not lowered.
+    let is_refused =
+        |w: &MapWarning| matches!(w, MapWarning::MaxHeightLowered { .. }) && !mistakes.is_empty();
+    let is_told = |w: &&MapWarning| !(is_shipped && is_cut(w)) && !is_refused(w);
+    let told: Vec<MapWarning> = map_warnings.iter().filter(is_told).cloned().collect();
     warnings.extend(by_cause(&told).into_iter().map(Mistake::new));
     if let Ok(world) = &world {
         warnings.extend(idle_walls::warnings(&scenario, world, &sources, &tree));

@@ -184,7 +184,9 @@ fn collect<'a>(
             Kind::Table(inner) if is_tagged(inner, default) => {
                 units.push(unit(toml::Value::Table(tagged(inner, default)), true, false));
             }
-            Kind::Table(inner) if !inner.is_empty() => {
+            Kind::Table(inner)
+                if !inner.is_empty() && !default.is_some_and(toml::Value::is_array) =>
+            {
                 let empty = toml::Table::new();
                 let below = default.and_then(toml::Value::as_table).unwrap_or(&empty);
                 collect(inner, below, path, units);

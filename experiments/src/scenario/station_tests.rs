@@ -10,6 +10,8 @@ fn a_station_needs_a_place() {
         ("stations=[{x_m=0,y_m=0}]", "`stations` lacks the key `z_m`", ""),
         ("stations=[{x_m=0,y_m=0,z_m=2,kind=1}]", "unknown key `kind` in [stations]", "`x_m`"),
         ("stations=3", "`stations` cannot be 3", "a list"),
+        ("stations={x_m=0,y_m=0,z_m=2}", "`stations` cannot be a table", "`[[stations]]`"),
+        ("agents.start={x_m=0,y_m=0}", "`agents.start` cannot be a table", "`[[agents.start]]`"),
         (
             "stations=[{x_m=0,y_m=0,z_m=2},{x_m=0,y_m=1251,z_m=2}]",
             "stations[1] cannot have y_m = 1251",

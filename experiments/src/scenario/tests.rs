@@ -204,7 +204,7 @@ fn impossible_values_are_explained() {
         (
             "agents.altitude_m=45",
             "45 (the lowest UAV at 45 m)",
-            "all UAVs above the highest building, map.max_height_m = 45 m",
+            "all UAVs above the highest building, map.max_height_m = 45 m, or agents.avoid_buildings = true",
         ),
         ("camera.aperture_deg=180", "180", "an angle from 1 to below 180 degrees"),
         (
@@ -589,15 +589,32 @@ fn what_is_slower_than_real_time_is_a_warning() {
         warnings.iter().map(|w| w.render("warning")).collect::<String>()
     };
     let images = warning(&["camera.columns=4000", "camera.rows=3000", "agents.count=8"]);
-    let start = "warning: images of 4000 x 3000 pixels take 8 agents about 0.24 s each every 0.5 s: \
+    let start = "warning: images of 4000 x 3000 pixels take 8 agents about 0.240 s each every 0.5 s: \
                  slower than real time\n";
     assert!(images.starts_with(start), "{images}");
     assert!(images.contains("so about 0.52 times real time on 2 cores"), "{images}");
     let looks = warning(&["guidance.n_mpc=6"]);
     let start =
-        "warning: 39060 looks ahead on 62500 cells take 4 agents about 1.56 s each every 3 s";
+        "warning: 39060 looks ahead on 62500 cells take 4 agents about 1.562 s each every 3 s";
     assert!(looks.starts_with(start), "{looks}");
     assert_eq!(warning(&[]), "");
+}
+
+/// What makes a promise or a set worse than somebody may think.
+#[test]
+fn what_is_allowed_but_costs_is_a_warning() {
+    let warned = |sets: &[&str], expected: &str| {
+        let warnings = load_with("city", sets).unwrap().warnings;
+        let said: String = warnings.iter().map(|w| w.render("warning")).collect();
+        assert!(said.contains(expected), "{sets:?}: {said}");
+    };
+    warned(
+        &["camera.d_max_m=1e5"],
+        "depths are told in steps of 1.53 m, a 65535th of `camera.d_max_m`",
+    );
+    let crash = "netem.outage=[{agent=0,from_s=5,until_s=15,kind=\"crash\"}]";
+    let around = ["agents.avoid_buildings=true", crash];
+    warned(&around, "a UAV whose agent has crashed flies straight on, into buildings as well");
 }
 
 /// Rays take memory with the square of the cells they go through.

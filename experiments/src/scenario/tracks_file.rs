@@ -109,11 +109,12 @@ fn parse(text: &str, source: usize, sources: &Sources) -> Result<Tracks, Vec<Mis
         vec![Mistake::new(format!("these tracks are no CSV: {error}")).at(at(line))]
     };
     let header = reader.headers().map_err(unreadable)?.clone();
+    let header_line = header.position().map_or(1, |position| position.line() as usize);
     let column = |name: &str| header.iter().position(|column| column == name);
     let (Some([target, time_s, x_m, y_m]), 4) = (all(COLUMNS.map(column)), header.len()) else {
         let got: Vec<&str> = header.iter().collect();
         let mistake = Mistake::new(format!("tracks cannot have the columns `{}`", got.join(",")));
-        return Err(vec![mistake.expected(format!("`{}`", COLUMNS.join(","))).at(at(1))]);
+        return Err(vec![mistake.expected(format!("`{}`", COLUMNS.join(","))).at(at(header_line))]);
     };
     let (mut rows, mut mistakes): (Vec<Row>, Vec<Mistake>) = (Vec::new(), Vec::new());
     for record in reader.records() {

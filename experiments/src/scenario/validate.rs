@@ -232,12 +232,16 @@ fn fleet(check: &mut Check, scenario: &Scenario) -> bool {
         true => ("targets.cylinder_height_m", scenario.targets.cylinder_height_m, "a car"),
         false => (key, floor, what),
     };
+    let around = match key {
+        "map.max_height_m" => ", or agents.avoid_buildings = true",
+        _ => "",
+    };
     let lowest = altitudes(fleet)[0];
     check.that(
         lowest > floor && lowest.is_finite(),
         &["agents.altitude_m", "agents.altitude_step_m", key],
         &format!("{} (the lowest UAV at {lowest} m)", fleet.altitude_m),
-        &format!("all UAVs above {what}, {key} = {floor} m"),
+        &format!("all UAVs above {what}, {key} = {floor} m{around}"),
     );
     is_fleet
 }
@@ -275,8 +279,14 @@ fn start(check: &mut Check, fleet: &FleetModel, size_m: [f64; 2]) {
     }
 }
 
-/// Who flies around buildings turns back in the launch site, if need be.
+/// Who flies around buildings turns back in the launch site, if need be, and decides in time.
 fn room_to_turn(check: &mut Check, scenario: &Scenario) {
+    let uavs = scenario.agents.count;
+    if scenario.netem.crashes().any(|crash| crash.agent < uavs) {
+        let text = "a UAV whose agent has crashed flies straight on, into buildings as well";
+        let mistake = Mistake::new(text).expected("kind = \"radio\" with agents.avoid_buildings");
+        check.warn(&["netem.outage", "agents.avoid_buildings"], mistake);
+    }
     let room_m = turning_room_m(&agent_config(scenario));
     let radius_m = scenario.agents.launch_radius_m();
     let increments = &scenario.guidance.increments_deg;
@@ -302,6 +312,9 @@ fn altitudes(fleet: &FleetModel) -> [f64; 2] {
     [first.min(last), first.max(last)]
 }
 
+/// Steps of depth that are told no finer than this are warned of, metres.
+const COARSE_DEPTH_M: f64 = 0.1;
+
 fn camera(check: &mut Check, scenario: &Scenario, is_fleet: bool) {
     let camera = &scenario.camera;
     let before = check.0.len();
@@ -319,6 +332,14 @@ fn camera(check: &mut Check, scenario: &Scenario, is_fleet: bool) {
     let expected = "an angle below the horizon, up to 90 degrees";
     check.that(tilt_ok, &["camera.tilt_deg"], &camera.tilt_deg.to_string(), expected);
     check.positive("camera.d_max_m", camera.d_max_m);
+    let depth_step_m = camera.depth_step_m();
+    if depth_step_m > COARSE_DEPTH_M && depth_step_m.is_finite() {
+        let text = format!(
+            "depths are told in steps of {depth_step_m:.2} m, a 65535th of `camera.d_max_m`"
+        );
+        let expected = format!("steps of at most {COARSE_DEPTH_M} m: sets of cars are as coarse");
+        check.warn(&["camera.d_max_m"], Mistake::new(text).expected(expected));
+    }
     check.whole("camera.min_pixels", camera.min_pixels);
     let [lo, hi] = camera.depth_noise;
     check.that(

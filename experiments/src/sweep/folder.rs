@@ -160,6 +160,7 @@ impl SweepFolder {
         }
         let record: RunRecord =
             read_json(&path).map_err(|reason| BadRun { path: path.clone(), reason })?;
+        record.check().map_err(|reason| BadRun { path: path.clone(), reason })?;
         let hash = &manifest.points[run.point].scenario_hash;
         if (&record.scenario_hash, record.seed) == (hash, run.seed) {
             return Ok(Some(record));

@@ -13,6 +13,9 @@ use super::results::Results;
 use super::seeds::Shard;
 use super::{SweepError, report, table};
 
+/// What [`conclude`] writes.
+pub const RESULTS: [&str; 4] = ["sweep.csv", "sweep_means.csv", "sweep_pairs.csv", "report.html"];
+
 /// Writes `sweep.csv`, `sweep_means.csv`, `sweep_pairs.csv` and `report.html` from what is in the folder.
 ///
 /// # Errors

@@ -8,6 +8,7 @@ use serde_json::Value;
 use super::manifest::Manifest;
 use super::plan::Run;
 use crate::provenance::Build;
+use crate::summary::Summary;
 
 /// What became of one run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -51,6 +52,18 @@ impl RunRecord {
             replay: manifest.replay(run),
             failed,
             summary,
+        }
+    }
+
+    /// Checks that it tells how the run went.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn check(&self) -> Result<(), String> {
+        match (&self.summary, &self.failed) {
+            (None, None) => Err("it has neither a summary nor why there is none".to_owned()),
+            (None, Some(_)) => Ok(()),
+            (Some(summary), _) => Summary::check(summary),
         }
     }
 

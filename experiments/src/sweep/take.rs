@@ -42,7 +42,7 @@ impl SweepFolder {
         let shared = shard.count > 1;
         if !root.join(MANIFEST).exists() {
             Reference::new(asked).map_err(merge::not_comparable)?;
-            folder.refuse_strangers()?;
+            folder.refuse_strangers(resume)?;
             folder.create("runs")?;
         } else if !resume && !shared {
             return Err(SweepError::Refused(format!(
@@ -144,8 +144,9 @@ impl SweepFolder {
         Ok(())
     }
 
-    /// What is in a folder without a manifest must be what another shard is just writing.
-    fn refuse_strangers(&self) -> Result<(), SweepError> {
+    /// What is in a folder without a manifest must be what another shard is just writing, or with `--resume`
+    /// what a sweep left whose manifest is lost.
+    fn refuse_strangers(&self, resume: bool) -> Result<(), SweepError> {
         let root = &self.root;
         if root.symlink_metadata().is_ok() && !root.is_dir() {
             let text = format!("error: `{}` is not a folder", root.display());
@@ -153,7 +154,9 @@ impl SweepFolder {
         }
         let mut names = fs::read_dir(root).into_iter().flatten().flatten().map(|e| e.file_name());
         let ours = |name: &str| {
-            [MANIFEST, "runs", PARTIAL].contains(&name) || name.starts_with(".sweep.json.")
+            [MANIFEST, "runs", PARTIAL].contains(&name)
+                || name.starts_with(".sweep.json.")
+                || resume && (merge::RESULTS.contains(&name) || name == "folders")
         };
         match names.find(|name| !ours(&name.to_string_lossy())) {
             None => Ok(()),

@@ -46,9 +46,17 @@ pub fn config(arguments: &WireArguments, role: Role) -> Result<Config, WireError
     if let Some(file) = file {
         merge(&mut all, file);
     }
+    let configured = |all: &Value| {
+        Config::from_json5(&all.to_string()).map_err(|error| WireError::File {
+            path: zenoh_config.clone().unwrap_or_default(),
+            reason: first_line(&error.to_string()),
+        })
+    };
+    // As it is in the file: the endpoints below would hide a mistake.
+    configured(&all)?;
     for (what, given) in [("connect", connect), ("listen", listen)] {
         if !given.is_empty() {
-            all[what]["endpoints"] = json!(given);
+            merge(&mut all, json!({what: {"endpoints": given}}));
         }
     }
     for endpoint in connect.iter().chain(listen) {
@@ -61,10 +69,7 @@ pub fn config(arguments: &WireArguments, role: Role) -> Result<Config, WireError
     if role != Role::Spectator && mode == "client" {
         return Err(WireError::Mode);
     }
-    Config::from_json5(&all.to_string()).map_err(|error| WireError::File {
-        path: zenoh_config.clone().unwrap_or_default(),
-        reason: first_line(&error.to_string()),
-    })
+    configured(&all)
 }
 
 /// Where a process of this role listens and connects unless told otherwise.

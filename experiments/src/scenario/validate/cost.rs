@@ -41,7 +41,7 @@ pub(super) fn judge(check: &mut Check, scenario: &Scenario, period_s: Option<f64
         agents * frame_s / period_s,
         &["camera.columns", "camera.rows", "agents.count", "run.period_s"],
         &format!(
-            "images of {} x {} pixels take {} agents about {frame_s:.2} s each every {period_s} s",
+            "images of {} x {} pixels take {} agents about {frame_s:.3} s each every {period_s} s",
             scenario.camera.columns, scenario.camera.rows, scenario.agents.count
         ),
     );
@@ -54,7 +54,7 @@ pub(super) fn judge(check: &mut Check, scenario: &Scenario, period_s: Option<f64
         agents * decision_s / scenario.guidance.period_s,
         &["guidance.n_mpc", "guidance.increments_deg", "estimator.raster_cell_m", "agents.count"],
         &format!(
-            "{looks:.0} looks ahead on {cells:.0} cells take {} agents about {decision_s:.2} s each \
+            "{looks:.0} looks ahead on {cells:.0} cells take {} agents about {decision_s:.3} s each \
              every {} s",
             scenario.agents.count, scenario.guidance.period_s
         ),

@@ -16,7 +16,7 @@ function showHeader() {
   const alarm = byId('alarm');
   alarm.hidden = !(violations > 0);
   setText('alarm', violations > 0
-    ? `VIOLATED ${violations === 1 ? 'once' : `${violations} times`}: what is guaranteed (a car in the set of each agent, separations, messages accounted for) did not hold.`
+    ? `VIOLATED ${violations === 1 ? 'once' : `${violations} times`}: what is guaranteed (see the monitor's events) did not hold.`
     : '');
   setText('attribution', doc?.attribution ?? '');
   const stations = stationCount();

@@ -155,6 +155,9 @@ fn feature_of(value: &Value) -> Result<Feature, String> {
     {
         value["geometry"] = Value::Null;
     }
+    if !value.is_object() {
+        return Err(format!("expected an object, got `{value}`"));
+    }
     let feature = serde_json::from_value::<Feature>(value).map_err(|e| e.to_string())?;
     if feature.geometry.iter().flat_map(|g| positions(&g.value)).any(|p| p.len() < 2) {
         return Err("a position of fewer than two numbers".into());
