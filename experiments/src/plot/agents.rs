@@ -87,6 +87,7 @@ fn map(panel: &Panel, view: &View, agent: usize, knowledge: &Knowledge) -> Group
         .add(layers::target_sets(panel, knowledge))
         .add(layers::cars(panel, view, agent))
         .add(shared("uavs"))
+        .add(shared("stations"))
         .add(layers::target_labels(panel, knowledge))
 }
 
@@ -99,4 +100,5 @@ fn definitions(panel: &Panel, view: &View) -> Definitions {
         .add(layers::ground(panel, view).set("id", "ground"))
         .add(layers::buildings(panel, view).set("id", "buildings"))
         .add(layers::uavs(panel, view).set("id", "uavs"))
+        .add(layers::stations(panel, view).set("id", "stations"))
 }

@@ -337,6 +337,8 @@ fn stations_are_drawn_and_named() {
     show("map-station.svg", &svg);
     assert!(svg.contains("class=\"station\"") && svg.contains("\nS4\n"), "its mark and its name");
     assert!(svg.contains("4 UAVs, 1 station;"));
+    let all = agents_svg(&view);
+    assert!(all.contains("\nS4\n") && all.contains("href=\"#stations\""), "on each agent's map");
 }
 
 /// The thesis flew its own setting for 300 s: nothing else is set beside its numbers.
