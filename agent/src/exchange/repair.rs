@@ -101,7 +101,7 @@ impl Repair {
         }
         *newest = (incarnation, then);
         let answer_at = now.after(self.turn(from) * TURN_STEPS);
-        if self.lacks_facts(from, then, &digest.facts) {
+        if self.lacks_facts((from, incarnation), then, &digest.facts) {
             self.lacking.entry(from).or_insert(answer_at);
         } else if !digest.facts.is_empty() {
             self.lacking.remove(&from);
@@ -181,14 +181,16 @@ impl Repair {
     /// Whether `from` was behind at step `then` by more than messages on their way explain: by what was
     /// held already when the oldest of them was sent. How many facts it is behind does not tell: of a
     /// life that is over there are no more to come, and the last ones may be all that it lacks.
-    /// Whoever holds no facts at all does not say what it holds.
-    fn lacks_facts(&self, from: AgentId, then: Step, theirs: &[HeldFacts]) -> bool {
+    /// Whoever holds no facts at all does not say what it holds. What it said in an earlier life it has
+    /// forgotten.
+    fn lacks_facts(&self, from: (AgentId, Incarnation), then: Step, theirs: &[HeldFacts]) -> bool {
         if theirs.is_empty() {
             return false;
         }
         let later = self.past.partition_point(|(step, _)| step.after(self.delay) <= then);
         let held = self.past.range(..later).next_back().into_iter().flat_map(|(_, facts)| facts);
-        let is_needed = |facts: &&HeldFacts| facts.origin != from && facts.origin.0 < self.uavs;
+        let is_own = |facts: &HeldFacts| (facts.origin, facts.incarnation) == from;
+        let is_needed = |facts: &&HeldFacts| !is_own(facts) && facts.origin.0 < self.uavs;
         held.filter(is_needed).any(|ours| {
             let key = (ours.origin, ours.incarnation);
             let index = theirs.binary_search_by_key(&key, |f| (f.origin, f.incarnation));
@@ -347,6 +349,22 @@ mod tests {
             hear(&mut repair, step, step, &digest([8, step, step, step]));
             assert_eq!(repair.snapshot_due(Step(100)), step >= 20 + DELAY, "at {step}");
         }
+    }
+
+    #[test]
+    fn who_was_restarted_lacks_what_it_said_before() {
+        let mut helper = helper(2, [20; 4]);
+        let own = |incarnation, count| HeldFacts { origin: AgentId(1), incarnation, count };
+        let said = |before| {
+            let mut digest = digest([20; 4]);
+            digest.facts[1] = own(Incarnation(0), before);
+            digest.facts.insert(2, own(Incarnation(1), 3));
+            digest
+        };
+        helper.hear(Step(20), AgentId(1), Incarnation(1), Step(20), &said(19));
+        assert!(helper.snapshot_due(Step(20)));
+        helper.hear(Step(21), AgentId(1), Incarnation(1), Step(21), &said(20));
+        assert!(!helper.snapshot_due(Step(100)), "of its present life it lacks nothing");
     }
 
     #[test]
