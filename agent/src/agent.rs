@@ -17,6 +17,7 @@ use csat_proto::envelope::Envelope;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::message::{Digest, Fact, Plan};
+use csat_proto::radio::Reception;
 use csat_proto::raster::Raster;
 use csat_proto::time::{SimTime, Step};
 use serde::{Deserialize, Serialize};
@@ -420,7 +421,8 @@ impl Agent for SetMembershipAgent {
         self.begin(now, step, pose, |_| Measured::nothing(grid));
     }
 
-    fn handle_message(&mut self, now: SimTime, bytes: &[u8]) {
+    fn handle_message(&mut self, now: SimTime, message: &Reception) {
+        let bytes = &message.bytes[..];
         self.now = now;
         match self.inbox.receive(self.step(), bytes, &self.held) {
             Ok(Received::Knowledge { from, p_world, fact }) => {

@@ -144,7 +144,7 @@ impl Default for EstimatorConfig {
     }
 }
 
-/// Which cost the planner minimises (`spec/guidance.md`).
+/// Which cost the planner minimises (docs/concepts/guidance.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Criterion {
@@ -256,7 +256,7 @@ impl Default for GuidanceConfig {
     }
 }
 
-/// What agents say (`spec/links.md`).
+/// What agents say (docs/links.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ExchangeMode {
     /// Nothing: each UAV is on its own.

@@ -14,6 +14,7 @@ use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::command::YawCommand;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation, TargetId};
+use csat_proto::radio::Reception;
 use csat_proto::time::{SimTime, Step};
 use serde::{Deserialize, Serialize};
 
@@ -42,7 +43,7 @@ impl Agent for Counter {
         (self.0.step, self.0.pose) = (step, pose);
     }
 
-    fn handle_message(&mut self, _: SimTime, _: &[u8]) {}
+    fn handle_message(&mut self, _: SimTime, _: &Reception) {}
     fn handle_timeout(&mut self, _: SimTime) {}
 
     fn poll_transmit(&mut self) -> Option<Transmit> {

@@ -1,4 +1,4 @@
-//! What a user runs and what they get (`spec/experiments.md`): the `csat` command around a mission.
+//! What a user runs and what they get: the `csat` command around a mission.
 //!
 //! | module | what it does |
 //! |---|---|

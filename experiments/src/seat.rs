@@ -13,6 +13,7 @@ use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::Pose;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
+use csat_proto::radio::{PhysicalHeader, Reception, bearing_rad};
 use csat_proto::time::{SimTime, Step};
 
 use crate::fleet::{Flown, Passage};
@@ -30,7 +31,7 @@ pub struct Seat<M: Mission> {
     pose: Pose,
     /// What others send to this agent.
     links: Links,
-    inbox: Vec<Arc<[u8]>>,
+    inbox: Vec<Reception>,
     outbox: VecDeque<Transmit>,
     events: Vec<<M::Agent as Agent>::Event>,
     commands: Vec<<M::Agent as Agent>::Command>,
@@ -53,10 +54,17 @@ pub struct Said {
     pub sequence: u64,
     /// When it was said.
     pub time: SimTime,
-    /// Where the sender is, `world`, metres.
+    /// Where the sender truly is, `world`, metres.
     pub p_world: [f64; 3],
     /// The encoded envelope.
     pub bytes: Arc<[u8]>,
+}
+
+impl Said {
+    /// What is physical about it.
+    pub fn physical(&self) -> PhysicalHeader {
+        PhysicalHeader { p_world: self.p_world }
+    }
 }
 
 impl<M: Mission> Seat<M> {
@@ -100,7 +108,7 @@ impl<M: Mission> Seat<M> {
         &mut self.links
     }
 
-    /// A step begins with the agent at `pose`. `life` is the agent's, `None` while it is down; another
+    /// A step begins with the agent at `pose`, in truth. `life` is the agent's, `None` while it is down; another
     /// life than before begins with an agent that knows nothing.
     pub fn begin(&mut self, mission: &M, life: Option<Incarnation>, pose: &Pose) {
         self.pose = *pose;
@@ -168,7 +176,12 @@ impl<M: Mission> Seat<M> {
         while let Some(arrival) = self.links.receive(now) {
             // Nobody is there to read it after a crash.
             if self.is_alive {
-                self.inbox.push(arrival.bytes.clone());
+                self.inbox.push(Reception {
+                    channel: arrival.channel,
+                    at: arrival.at,
+                    bearing_rad: bearing_rad(&self.pose, arrival.src_p_world),
+                    bytes: arrival.bytes.clone(),
+                });
             }
             self.arrivals.push(arrival);
         }
@@ -178,8 +191,8 @@ impl<M: Mission> Seat<M> {
         let inbox = std::mem::take(&mut self.inbox);
         let agent = &mut self.agent;
         let ((), times) = stages::collect(|| {
-            for bytes in inbox {
-                agent.handle_message(now, &bytes);
+            for message in inbox {
+                agent.handle_message(now, &message);
             }
             if agent.poll_timeout().is_some_and(|due| due <= now) {
                 agent.handle_timeout(now);
@@ -208,6 +221,11 @@ impl<M: Mission> Seat<M> {
         let said: Vec<Said> = self.outbox.drain(..).map(said).collect();
         self.bytes_sent += said.iter().map(|s| s.bytes.len() as u64).sum::<u64>();
         said
+    }
+
+    /// What is physical about whatever the agent says now.
+    pub fn physical(&self) -> PhysicalHeader {
+        PhysicalHeader { p_world: self.pose.p_world }
     }
 
     /// What the agent answers to one that joins late.

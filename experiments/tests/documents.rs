@@ -120,6 +120,67 @@ fn quoted_code_is_the_code_that_is_compiled() {
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
 
+/// The files that the comments of a source cite, with their lines: words that end as a document's or a
+/// program's name does.
+fn cited(source: &str) -> Vec<(usize, &str)> {
+    let comments = (1..).zip(source.lines()).filter_map(|(number, line)| {
+        let (_, comment) = line.split_once("//").filter(|(code, _)| !code.ends_with(':'))?;
+        (!comment.contains("://")).then_some((number, comment))
+    });
+    let is_part = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
+    let words = comments.flat_map(move |(number, comment)| {
+        let words = comment.split(move |c| !is_part(c)).map(|word| word.trim_end_matches('.'));
+        words.map(move |word| (number, word.trim_start_matches("./")))
+    });
+    let is_file = |word: &str| {
+        let stem = word.rsplit_once('.').filter(|(_, end)| ["md", "rs", "sh", "py"].contains(end));
+        stem.is_some_and(|(stem, _)| stem.ends_with(|c: char| c.is_ascii_alphanumeric()))
+    };
+    words.filter(|(_, word)| is_file(word)).collect()
+}
+
+/// A comment may name a file from the root, from its crate, from its crate's sources, or from its folder.
+#[test]
+fn files_that_comments_cite_exist() {
+    let mut complaints = Vec::new();
+    let mut count = 0;
+    for krate in ["agent", "experiments", "netem", "proto", "tests", "world"] {
+        let home = root().join(krate);
+        for path in sources(&home) {
+            let source = read(&path);
+            for (line, cite) in cited(&source) {
+                let folders = [root(), root().join("docs"), home.clone(), home.join("src")];
+                let near = path.parent().into_iter().map(Path::to_owned);
+                count += 1;
+                if !folders.into_iter().chain(near).any(|folder| folder.join(cite).exists()) {
+                    complaints.push(format!("{}:{line}: there is no `{cite}`", name_of(&path)));
+                }
+            }
+        }
+    }
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+    assert!(count > 50, "{count} files are cited");
+}
+
+/// The Rust sources below a folder.
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("a folder of sources").flatten();
+    let mut all: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    all.sort();
+    let below = |path: PathBuf| match path.is_dir() {
+        true => sources(&path),
+        false => vec![path],
+    };
+    let files = all.into_iter().filter(|path| !path.ends_with("target")).flat_map(below);
+    files.filter(|path| path.extension().is_some_and(|e| e == "rs")).collect()
+}
+
+#[test]
+fn cited_files_are_found() {
+    let source = "let a = 1; // see docs/links.md, (`x/y.rs`).\n//! `a.toml`, https://b.md\nlet b = \"c.md\";";
+    assert_eq!(cited(source), [(1, "docs/links.md"), (1, "x/y.rs")]);
+}
+
 #[test]
 fn links_and_anchors_are_found() {
     let document = "# One `two`, three\n[a](b.md#c) `[x](y)` ![p](q.png)\n```\n# no\n[n](o)\n```\n\

@@ -1,7 +1,7 @@
 //! The random numbers that belong to a message.
 //!
-//! ChaCha8 keyed by seed, link, life and channel gives one block of 16 words per sequence number,
-//! and each purpose has two words of it at a fixed place. Nothing is drawn in order, so nothing
+//! ChaCha8 keyed by seed, link, life and channel gives one block of 32 words per sequence number,
+//! and each purpose has two words of it at a fixed place, half of them still free. Nothing is drawn in order, so nothing
 //! depends on what else is sent.
 
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
@@ -31,9 +31,16 @@ pub enum Purpose {
     Damage = 7,
 }
 
-const WORDS: usize = 16;
+impl Purpose {
+    /// The last one.
+    const LAST: Self = Self::Damage;
+}
+
+/// Changing it changes every fate: hence room for as many purposes again.
+const WORDS: usize = 32;
+const _: () = assert!(2 * (Purpose::LAST as usize + 1) <= WORDS, "a purpose without words");
 /// The generator makes this many blocks at once: about as fast as one.
-const AT_ONCE: usize = 4;
+const AT_ONCE: usize = 2;
 
 /// All random numbers of one message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,12 +87,12 @@ pub struct Draws {
 impl Draws {
     /// Those of the messages like `sent`.
     pub fn of_messages(seed: u64, sent: &Sent) -> Self {
-        Self::new(ChaCha8Rng::from_seed(key(seed, sent, *b"csat fates v2  ")))
+        Self::new(ChaCha8Rng::from_seed(key(seed, sent, *b"csat fates v3  ")))
     }
 
     /// Those of the copies that links make of messages like `sent`.
     pub fn of_copies(seed: u64, sent: &Sent) -> Self {
-        Self::new(ChaCha8Rng::from_seed(key(seed, sent, *b"csat copies v2 ")))
+        Self::new(ChaCha8Rng::from_seed(key(seed, sent, *b"csat copies v3 ")))
     }
 
     fn new(generator: ChaCha8Rng) -> Self {

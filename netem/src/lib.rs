@@ -1,4 +1,4 @@
-//! What gets through: the fate of every message between agents (`spec/links.md`).
+//! What gets through: the fate of every message between agents (docs/links.md).
 //!
 //! A message meets the rules of its channel in a fixed order. The first rule that loses it names
 //! the reason; what is left arrives, perhaps damaged, perhaps twice, at a time of its own.

@@ -1,6 +1,6 @@
 //! The links of a fleet: messages handed over, in flight, delivered in order, and counted.
 
-use std::cmp::Reverse;
+use std::cmp::{Ordering, Reverse};
 use std::collections::{BTreeMap, BinaryHeap};
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use crate::repeat::damage;
 use crate::rule::{Case, LinkState, Rule, judge, rules};
 
 /// A message that arrives.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Arrival {
     /// When.
     pub at: SimTime,
@@ -28,6 +28,8 @@ pub struct Arrival {
     pub dst: AgentId,
     /// The radio.
     pub channel: ChannelId,
+    /// Where the sender was when it sent, `world`, metres.
+    pub src_p_world: [f64; 3],
     /// The encoded envelope.
     pub bytes: Arc<[u8]>,
 }
@@ -66,9 +68,18 @@ struct Link {
     life: Option<(Incarnation, Box<LinkState>)>,
 }
 
-/// Ordered by arrival, then by identity, so that ties are broken the same way everywhere.
-#[derive(PartialEq, Eq, PartialOrd, Ord)]
+/// A message, or its copy, on its way.
 struct InFlight {
+    turn: Turn,
+    sent_at: SimTime,
+    src_p_world: [f64; 3],
+    corrupted: bool,
+    bytes: Arc<[u8]>,
+}
+
+/// By arrival, then by identity, so that ties are broken the same way everywhere.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Turn {
     at: SimTime,
     src: AgentId,
     incarnation: Incarnation,
@@ -76,9 +87,26 @@ struct InFlight {
     sequence: u64,
     dst: AgentId,
     is_copy: bool,
-    sent_at: SimTime,
-    corrupted: bool,
-    bytes: Arc<[u8]>,
+}
+
+impl PartialEq for InFlight {
+    fn eq(&self, other: &Self) -> bool {
+        self.turn == other.turn
+    }
+}
+
+impl Eq for InFlight {}
+
+impl PartialOrd for InFlight {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for InFlight {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.turn.cmp(&other.turn)
+    }
 }
 
 impl Links {
@@ -132,18 +160,9 @@ impl Links {
             };
             let Sent { src, dst, incarnation, channel, sequence, time: sent_at, .. } = *sent;
             let is_copy = index > 0;
-            self.in_flight.push(Reverse(InFlight {
-                at,
-                src,
-                incarnation,
-                channel,
-                sequence,
-                dst,
-                is_copy,
-                sent_at,
-                corrupted,
-                bytes,
-            }));
+            let turn = Turn { at, src, incarnation, channel, sequence, dst, is_copy };
+            let src_p_world = sent.src_p_world;
+            self.in_flight.push(Reverse(InFlight { turn, sent_at, src_p_world, corrupted, bytes }));
         }
         fate
     }
@@ -156,7 +175,7 @@ impl Links {
 
     /// When the next message arrives.
     pub fn next_arrival(&self) -> Option<SimTime> {
-        self.in_flight.peek().map(|Reverse(message)| message.at)
+        self.in_flight.peek().map(|Reverse(message)| message.turn.at)
     }
 
     /// The next message that arrives no later than `now`.
@@ -165,12 +184,13 @@ impl Links {
             return None;
         }
         let Reverse(message) = self.in_flight.pop()?;
-        let InFlight { at, src, dst, channel, sent_at, corrupted, bytes, .. } = message;
+        let InFlight { turn, sent_at, src_p_world, corrupted, bytes } = message;
+        let Turn { at, src, dst, channel, .. } = turn;
         self.counters.count_arrival(corrupted);
         let link = self.links.entry((src, dst, channel)).or_default();
         let size = bytes.len() as u64;
         link.counters.count_arrival(corrupted, size, at.seconds_since(sent_at));
-        Some(Arrival { at, src, dst, channel, bytes })
+        Some(Arrival { at, src, dst, channel, src_p_world, bytes })
     }
 
     /// What happened so far.

@@ -90,7 +90,7 @@ impl LinkState {
     }
 }
 
-/// The rules of one channel, in the order of `spec/links.md`; those that can do nothing are left
+/// The rules of one channel, in the order of docs/links.md; those that can do nothing are left
 /// out. The receiver's outage is not here: it is asked last, for each copy when it arrives.
 pub fn rules(
     config: &NetemConfig,

@@ -8,6 +8,7 @@ use crate::camera::Pose;
 use crate::envelope::Envelope;
 use crate::frame::Frame;
 use crate::ids::ChannelId;
+use crate::radio::Reception;
 use crate::time::{SimTime, Step};
 
 /// Something an agent wants to be sent to all others on a channel: a whole encoded envelope.
@@ -40,7 +41,7 @@ pub trait Agent: Send {
 
     /// A message of another agent arrived. Anything may be in it: what is not valid is counted,
     /// reported as an event and changes nothing else.
-    fn handle_message(&mut self, now: SimTime, bytes: &[u8]);
+    fn handle_message(&mut self, now: SimTime, message: &Reception);
 
     /// The instant that [`Self::poll_timeout`] named has come, and every message for it was handled.
     fn handle_timeout(&mut self, now: SimTime);

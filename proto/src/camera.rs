@@ -321,7 +321,7 @@ mod tests {
         }
     }
 
-    /// `spec/model.md`: at 52 m the footprint runs from about 48 m to 230 m ahead.
+    /// The thesis: at 52 m the footprint runs from about 48 m to 230 m ahead.
     #[test]
     fn footprint_at_52_m_is_the_published_one() {
         let view = CameraModel::default().at(&Pose::level([0.0, 0.0, 52.0], 0.0));

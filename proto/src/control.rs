@@ -13,7 +13,7 @@ use crate::ids::{AgentId, Incarnation, MAX_TARGETS, RunId, TargetId};
 use crate::time::{SimTime, Step};
 
 /// The version of this protocol: processes of another one are refused.
-pub const PROTOCOL: u32 = 2;
+pub const PROTOCOL: u32 = 3;
 
 /// The most messages that an agent says on a radio in a step, on the average over its life: numbers beyond
 /// that are forged.
@@ -96,8 +96,12 @@ pub struct FrameHeader {
     pub time: SimTime,
     /// The instant of the next one.
     pub next: SimTime,
-    /// Where the agent is.
+    /// Where the agent is, as far as it knows: its pose estimate, and that of the frame.
     pub pose: Pose,
+    /// Where its antenna truly is, `world`, metres, for the links and not for the agent; `None` where the
+    /// pose is exact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_world: Option<[f64; 3]>,
     /// The agent's life, `None` while it is down: then there are no pixels.
     pub incarnation: Option<Incarnation>,
     /// The identified targets, by increasing index.
@@ -214,7 +218,12 @@ impl FrameHeader {
         if !(p_world.iter().chain(&angles).all(|x| x.is_finite()) && p_world[2] >= 0.0) {
             return Err(HeaderError::Pose { p_world });
         }
-        Ok(())
+        match self.p_world {
+            Some(p_world) if !p_world.iter().all(|x| x.is_finite()) => {
+                Err(HeaderError::Pose { p_world })
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -335,6 +344,7 @@ mod tests {
             time: SimTime::from_seconds(2.0),
             next: SimTime::from_seconds(2.5),
             pose: Pose::level([0.0, 0.0, 50.0], 0.0),
+            p_world: None,
             incarnation: Some(Incarnation(0)),
             detections: vec![seen(1, 0), seen(3, 2)],
             said: Vec::new(),
@@ -393,6 +403,9 @@ mod tests {
         let below = check(|h| h.pose.p_world[2] = -1.0, 0);
         assert_eq!(below, Err(HeaderError::Pose { p_world }));
         assert!(check(|h| h.step = Step(3), 0).is_err());
+        let nowhere = check(|h| h.p_world = Some([0.0, f64::INFINITY, 1.0]), 0);
+        let p_world = [0.0, f64::INFINITY, 1.0];
+        assert_eq!(nowhere, Err(HeaderError::Pose { p_world }));
         // A camera flies.
         let flat = self::check(|h, _| h.pose.p_world[2] = 0.0);
         assert_eq!(flat, Err(HeaderError::Pose { p_world: [0.0, 0.0, 0.0] }));

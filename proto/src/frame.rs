@@ -1,4 +1,4 @@
-//! What a camera and its computer-vision system (CVS) report (`spec/model.md`).
+//! What a camera and its computer-vision system (CVS) report (docs/concepts/frame.md).
 
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +46,7 @@ pub struct Detection {
 pub struct Frame {
     /// k.
     pub step: Step,
-    /// The pose the frame was taken from.
+    /// The pose the frame was taken from, as far as the agent knows.
     pub pose: Pose,
     /// One label per pixel.
     pub labels: Vec<Label>,

@@ -2,7 +2,7 @@
 //! only where an agent reads them.
 //!
 //! All numbers are little-endian. First a `u32`, how many runs there are; then the runs, `u32` each:
-//! the length in the upper 30 bits, the [`Label`] in the lower two; they cover the image row by row.
+//! the length in the upper 24 bits, the [`Label`] in the lower eight; they cover the image row by row.
 //! Then a `u16` for each pixel labelled Obstacle or Target, row by row: its noisy depth in steps of
 //! d_max/65535. The ground's distance follows from its plane and is not sent: there `depth` is 0.
 //!
@@ -14,7 +14,7 @@
 use crate::frame::Label;
 
 /// The longest run that is written, pixels.
-const MAX_RUN: u32 = (1 << 30) - 1;
+const MAX_RUN: u32 = (1 << 24) - 1;
 
 /// Why pixels were not understood.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -26,6 +26,12 @@ pub enum PixelsError {
         got: usize,
         /// What its first part announces.
         expected: usize,
+    },
+    /// There is no such label.
+    #[error("pixels of label {got}, expected 0 to 3")]
+    Label {
+        /// What it says.
+        got: u32,
     },
     /// The runs do not cover the image.
     #[error("runs cover {got} pixels, expected {expected}")]
@@ -46,7 +52,7 @@ pub fn encode(labels: &[Label], depth: &[u16]) -> Vec<u8> {
     let mut runs: Vec<u32> = Vec::new();
     for same in labels.chunk_by(|a, b| a == b) {
         for part in same.chunks(MAX_RUN as usize) {
-            runs.push((part.len() as u32) << 2 | u32::from(part[0] as u8));
+            runs.push((part.len() as u32) << 8 | u32::from(part[0] as u8));
         }
     }
     let mut bytes = Vec::with_capacity(4 + 4 * runs.len());
@@ -69,19 +75,20 @@ pub fn decode(bytes: &[u8], pixels: usize) -> Result<(Vec<Label>, Vec<u16>), Pix
     let (runs, rest) =
         rest.split_at_checked(runs_bytes).ok_or(length(runs_bytes.saturating_add(4)))?;
     let runs = runs.as_chunks::<4>().0.iter().map(|run| u32::from_le_bytes(*run));
-    let covered: u64 = runs.clone().map(|run| u64::from(run >> 2)).sum();
+    let covered: u64 = runs.clone().map(|run| u64::from(run >> 8)).sum();
     if covered != pixels as u64 {
         return Err(PixelsError::Cover { got: covered, expected: pixels });
     }
     let mut labels = Vec::with_capacity(pixels);
     for run in runs {
-        let label = match run & 3 {
+        let label = match run & 0xFF {
             0 => Label::Unknown,
             1 => Label::Ground,
             2 => Label::Obstacle,
-            _ => Label::Target,
+            3 => Label::Target,
+            got => return Err(PixelsError::Label { got }),
         };
-        labels.resize(labels.len() + (run >> 2) as usize, label);
+        labels.resize(labels.len() + (run >> 8) as usize, label);
     }
     let measured = labels.iter().filter(|label| is_measured(**label)).count();
     if rest.len() != 2 * measured {
@@ -123,6 +130,9 @@ mod tests {
         }
         let long = [&bytes[..], &[0]].concat();
         assert_eq!(decode(&long, 8), Err(PixelsError::Length { got: 33, expected: 32 }));
+        let mut unknown = bytes.clone();
+        unknown[4] = 4;
+        assert_eq!(decode(&unknown, 8), Err(PixelsError::Label { got: 4 }));
         let huge = [u32::MAX.to_le_bytes(), [0; 4]].concat();
         assert!(matches!(decode(&huge, 8), Err(PixelsError::Length { .. })));
     }

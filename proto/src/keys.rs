@@ -1,4 +1,4 @@
-//! Key expressions: where in Zenoh's space of names what is said (`spec/links.md`, "On Zenoh").
+//! Key expressions: where in Zenoh's space of names what is said (docs/topics.md).
 //!
 //! Everything of a run lies under `csat/{run}/`. Agents' messages are under `link`, what a world and
 //! its agents' processes need to fly under `uav`, `clock` and `join`, mirrors for people under `view`

@@ -16,6 +16,7 @@
 //! | [`oem`] | cells of the occupancy-elevation map |
 //! | [`message`] | what agents of the set-membership mission say |
 //! | [`envelope`] | how any message travels: header, checksum, body |
+//! | [`radio`] | what is physical about a message, and what a receiver gets |
 //! | [`agent`] | the interface of a sans-I/O agent |
 //!
 //! Frame `world`: metres, East-North-Up, origin at the centre of the region of interest.
@@ -32,6 +33,7 @@ pub mod keys;
 pub mod message;
 pub mod model;
 pub mod oem;
+pub mod radio;
 pub mod raster;
 pub mod region;
 pub mod time;

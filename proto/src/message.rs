@@ -1,4 +1,4 @@
-//! What agents of the set-membership mission say (`spec/sets.md` §4).
+//! What agents of the set-membership mission say (docs/links.md, "What agents say").
 //!
 //! Facts and snapshots are stamped, self-contained and atomic: each is applied whole or not at all,
 //! and applying them in any order, or twice, gives the same knowledge.
@@ -34,8 +34,8 @@ pub struct HeldFacts {
     pub count: u32,
 }
 
-/// What the sender holds, for others to see what it lacks (`spec/links.md`, "What to say, how
-/// often"). Empty in modes that repair nothing.
+/// What the sender holds, for others to see what it lacks (docs/links.md, "What agents
+/// say"). Empty in modes that repair nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Digest {
     /// Facts that its knowledge contains, by increasing origin and incarnation. None: it does not say.

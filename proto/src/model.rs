@@ -1,4 +1,4 @@
-//! What every party agrees on before the start (`spec/model.md`): the region of interest, what is
+//! What every party agrees on before the start: the region of interest, what is
 //! known of the targets, and how the fleet moves.
 
 use std::path::PathBuf;

@@ -17,6 +17,7 @@ pub mod drawn;
 pub mod flight;
 pub mod fuzz;
 pub mod geometry;
+pub mod hears;
 pub mod missions;
 pub mod pair;
 pub mod replay;

@@ -1,6 +1,7 @@
 //! Two agents (or more) and a post office, in the style of quinn-proto's `Pair`: no world, no
 //! threads, a `time` that only the test moves, and a filter that decides what becomes of each letter.
 
+use crate::hears::Hears;
 use csat_agent::agent::{Event, SetMembershipAgent};
 use csat_agent::config::AgentConfig;
 use csat_proto::agent::Agent;
@@ -172,7 +173,7 @@ impl Pair {
         let mut due: Vec<_> = self.in_flight.extract_if(.., |(at, _)| *at <= now).collect();
         due.sort_by_key(|(at, _)| *at);
         for (_, letter) in due {
-            self.agents[usize::from(letter.dst.0)].handle_message(now, &letter.bytes);
+            self.agents[usize::from(letter.dst.0)].hear(now, &letter.bytes);
         }
     }
 }

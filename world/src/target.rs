@@ -1,4 +1,4 @@
-//! The cars: where they truly are (model.md, "Targets"; (5.34), (3.8), (3.11)).
+//! The cars: where they truly are ((5.34), (3.8), (3.11)).
 
 use std::f64::consts::{PI, TAU};
 

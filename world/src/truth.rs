@@ -1,5 +1,5 @@
 //! The monitor: checks from outside the agents, at every step of every run, that what the theory
-//! promises and what it presumes both hold (`spec/sets.md`, "The guarantee").
+//! promises and what it presumes both hold (docs/concepts/guarantee.md).
 
 use std::collections::BTreeMap;
 

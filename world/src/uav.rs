@@ -1,4 +1,4 @@
-//! How UAVs move (model.md, "UAVs"; thesis §5.4.1, figure 5.3).
+//! How UAVs move (thesis §5.4.1, figure 5.3).
 
 use csat_proto::camera::Pose;
 use csat_proto::model::{FleetModel, Ground};

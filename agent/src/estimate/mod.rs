@@ -1,4 +1,4 @@
-//! What one UAV knows (`spec/sets.md`): predict, then correct with the own frame and with what others
+//! What one UAV knows (docs/concepts/predict-correct.md): predict, then correct with the own frame and with what others
 //! sent.
 //!
 //! | module | equations |

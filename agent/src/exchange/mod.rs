@@ -1,5 +1,5 @@
-//! What is said to the other agents, and what of theirs is believed (`spec/sets.md` §4,
-//! `spec/links.md`, "Receiving" and "What to say, how often").
+//! What is said to the other agents, and what of theirs is believed (docs/links.md,
+//! "What agents say").
 //!
 //! | module | what it does |
 //! |---|---|

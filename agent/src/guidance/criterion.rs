@@ -1,4 +1,4 @@
-//! What a criterion counts as seen and what it costs (`spec/guidance.md`, thesis §5.2).
+//! What a criterion counts as seen and what it costs (docs/concepts/guidance.md, thesis §5.2).
 
 use std::sync::Arc;
 

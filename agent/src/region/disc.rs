@@ -13,7 +13,7 @@ const LIMIT: i32 = (1 << 30) - 1;
 /// A regular polygon with fixed directions that contains a disc centred on the origin.
 ///
 /// Fixed directions are what keeps vertex counts bounded: edges of repeatedly dilated sets stay
-/// parallel and merge (`spec/sets.md` §5).
+/// parallel and merge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disc {
     corners: Ring,

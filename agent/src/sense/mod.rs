@@ -1,4 +1,4 @@
-//! One frame to measured sets (`spec/sets.md` §1, thesis §4.2-4.4, §4.6 and A.2).
+//! One frame to measured sets (docs/concepts/sensing.md, thesis §4.2-4.4, §4.6 and A.2).
 //!
 //! | module | from | to |
 //! |---|---|---|

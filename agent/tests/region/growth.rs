@@ -1,4 +1,4 @@
-//! Repeated prediction keeps sets small and tight (`spec/sets.md` §5).
+//! Repeated prediction keeps sets small and tight.
 
 use std::f64::consts::{PI, TAU};
 

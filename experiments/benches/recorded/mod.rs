@@ -28,6 +28,7 @@ use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::message::{Fact, HeldFacts, Known, Message};
 use csat_proto::oem::{OemCell, OemPatch};
+use csat_proto::radio::Reception;
 use csat_proto::raster::Raster;
 use csat_proto::time::{SimTime, Step};
 use csat_world::camera::Renderer;
@@ -200,8 +201,14 @@ fn settle(agents: &mut [SetMembershipAgent], now: SimTime) -> Vec<Vec<u8>> {
     loop {
         for src in 0..agents.len() {
             while let Some(transmit) = agents[src].poll_transmit() {
+                let message = Reception {
+                    channel: transmit.channel,
+                    at: now,
+                    bearing_rad: 0.0,
+                    bytes: transmit.bytes[..].into(),
+                };
                 for dst in (0..agents.len()).filter(|&dst| dst != src) {
-                    agents[dst].handle_message(now, &transmit.bytes);
+                    agents[dst].handle_message(now, &message);
                 }
                 heard.extend((src != 0).then_some(transmit.bytes));
             }

@@ -20,7 +20,7 @@ import numpy as np
 import town
 import zenoh
 
-PROTOCOL = 2
+PROTOCOL = 3
 JSON = zenoh.Encoding.APPLICATION_JSON
 
 # What it does not say is as in csat's `city`. Any scenario.resolved.toml with one UAV will do as well.
@@ -189,7 +189,7 @@ def pack(labels, depth):
     by row, little-endian."""
     labels, depth = labels.ravel(), depth.ravel()
     starts = np.append(0, np.flatnonzero(np.diff(labels)) + 1)
-    runs = np.diff(starts, append=labels.size) << 2 | labels[starts]
+    runs = np.diff(starts, append=labels.size) << 8 | labels[starts]
     measured = depth[labels >= town.OBSTACLE]
     return len(runs).to_bytes(4, "little") + runs.astype("<u4").tobytes() + measured.astype("<u2").tobytes()
 

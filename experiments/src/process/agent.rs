@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use csat_proto::agent::FIRST_ANSWER;
-use csat_proto::camera::CameraModel;
+use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::control::{
     Done, FrameHeader, HeaderError, Order, PROTOCOL, Pace, Probe, Ready, SaidSoFar, Welcome,
 };
@@ -16,13 +16,14 @@ use csat_proto::frame::Frame;
 use csat_proto::frame_wire::{self, PixelsError};
 use csat_proto::ids::{AgentId, ChannelId};
 use csat_proto::keys::Keys;
+use csat_proto::radio::PhysicalHeader;
 use csat_proto::time::{SimTime, Step};
 use csat_world::world::WorldErrors;
 use zenoh::query::Query;
 use zenoh::{Session, Wait};
 
 use super::arguments::AgentArguments;
-use super::desk::{Desk, Inbox, News};
+use super::desk::{Desk, Inbox, News, text};
 use super::ether::{self, Ether};
 use super::join::{join, links};
 use super::leash;
@@ -288,7 +289,7 @@ impl Shell {
                     tracing::info!(agent = %self.id, reason, "ends");
                     return Ok(reason);
                 }
-                Some(News::Link(src, bytes)) => self.hear(src, bytes),
+                Some(News::Link(src, physical, bytes)) => self.hear(src, physical, bytes),
                 Some(News::Probe(agent, probe)) => self.probed(agent, probe),
                 Some(News::Gone(agent)) => self.miss(agent),
                 Some(News::Asked(query)) => {
@@ -300,7 +301,7 @@ impl Shell {
                     let picture = self.picture(Vec::new(), 0);
                     self.mirror.answer(picture, query);
                 }
-                Some(News::Answer(agent, bytes)) => self.catch_up(agent, bytes),
+                Some(News::Answer(agent, physical, bytes)) => self.catch_up(agent, physical, bytes),
                 Some(News::WorldHere) => self.is_world_here = true,
                 Some(News::WorldGone) => return Err(AgentError::WorldGone(self.id)),
                 Some(News::End(who)) => return Err(AgentError::Ended(who)),
@@ -446,7 +447,8 @@ impl Shell {
         if is_another {
             self.next.fill(0);
         }
-        self.seat.begin(&self.mission, incarnation, &pose);
+        let place = Pose { p_world: header.p_world.unwrap_or(pose.p_world), ..pose };
+        self.seat.begin(&self.mission, incarnation, &place);
         if incarnation.is_some() {
             self.see(header, pixels)?;
             self.looked += 1;
@@ -477,10 +479,10 @@ impl Shell {
     }
 
     /// Another agent said something.
-    fn hear(&mut self, src: AgentId, bytes: Vec<u8>) {
+    fn hear(&mut self, src: AgentId, physical: Option<PhysicalHeader>, bytes: Vec<u8>) {
         // In real time one that was starved is behind all others.
         let newest = self.desk.newest_frame().filter(|_| self.pace == Pace::Lockstep);
-        if let Err(error) = self.ether.take(src, bytes, newest) {
+        if let Err(error) = self.ether.take(src, physical, bytes, newest) {
             self.desk.refusals().count("message", &error);
             return;
         }
@@ -500,10 +502,11 @@ impl Shell {
         let Some(clock) = self.clock.filter(|_| !self.asked.is_empty()) else { return };
         let Some(answer) = self.seat.answer(clock.time) else { return };
         let key = self.keys.state(self.id, "snapshot");
+        let physical = text(&self.seat.physical());
         tracing::debug!(own = %self.id, askers = self.asked.len(), "is asked");
         for query in self.asked.drain(..) {
             // The key that was asked for may be a pattern.
-            let reply = query.reply(&key, &answer.bytes);
+            let reply = query.reply(&key, &answer.bytes).attachment(&physical);
             if let Err(error) = reply.wait() {
                 tracing::warn!(%error, "cannot answer a query");
             }
@@ -512,9 +515,9 @@ impl Shell {
 
     /// What another agent answered. It passes the links like everything that agents know: what
     /// cannot be heard from there is not learnt.
-    fn catch_up(&mut self, agent: AgentId, bytes: Vec<u8>) {
+    fn catch_up(&mut self, agent: AgentId, physical: Option<PhysicalHeader>, bytes: Vec<u8>) {
         tracing::debug!(own = %self.id, %agent, bytes = bytes.len(), "answers");
-        match ether::read(agent, bytes) {
+        match ether::read(agent, physical, bytes) {
             Ok((said, _)) if said.sequence >= FIRST_ANSWER => self.seat.hear(&said),
             Ok(_) => self.desk.refusals().count("message", &"an answer numbered as a message"),
             Err(error) => self.desk.refusals().count("message", &error),

@@ -7,6 +7,7 @@ use std::time::Duration;
 use csat_proto::control::{Announcement, Done, FrameHeader, Order, Probe, Ready, Welcome};
 use csat_proto::ids::{AgentId, ChannelId};
 use csat_proto::keys::{Keys, split, split_agent};
+use csat_proto::radio::PhysicalHeader;
 use csat_proto::time::Step;
 use zenoh::bytes::Encoding;
 use zenoh::liveliness::LivelinessToken;
@@ -34,8 +35,8 @@ pub enum News {
     Frame(Box<FrameHeader>, Vec<u8>),
     /// What the world says to all.
     Order(Order),
-    /// A message of another agent, still encoded.
-    Link(AgentId, Vec<u8>),
+    /// A message of another agent, still encoded, and where it was sent.
+    Link(AgentId, Option<PhysicalHeader>, Vec<u8>),
     /// A sign of life of another agent's process.
     Probe(AgentId, Probe),
     /// Another agent's process is gone.
@@ -48,8 +49,8 @@ pub enum News {
     Asked(Query),
     /// Somebody wants to see documents of the agent.
     Looked(Query),
-    /// What another agent knows, because this process asked: a message, still encoded.
-    Answer(AgentId, Vec<u8>),
+    /// What another agent knows, because this process asked: a message, still encoded, and where it was sent.
+    Answer(AgentId, Option<PhysicalHeader>, Vec<u8>),
     /// Somebody wants this process to end: who.
     End(&'static str),
 }
@@ -209,7 +210,9 @@ impl Desk {
     /// Says a message to all agents.
     pub fn say(&self, said: &Said) {
         match self.links.get(usize::from(said.channel.0)) {
-            Some(publisher) => put(publisher.put(said.bytes.to_vec())),
+            Some(publisher) => {
+                put(publisher.put(said.bytes.to_vec()).attachment(text(&said.physical())));
+            }
             None => tracing::error!(channel = %said.channel, "there is no such radio"),
         }
     }
@@ -237,7 +240,7 @@ impl Desk {
             let named = name(&sample).and_then(|name| split_agent(name, "state"));
             if let Some((agent, _)) = named {
                 let bytes = sample.payload().to_bytes().into_owned();
-                let _ = sender.try_send(News::Answer(agent, bytes));
+                let _ = sender.try_send(News::Answer(agent, physical(&sample), bytes));
             }
         };
         let get = self.session.get(self.keys.of("state/*/snapshot"));
@@ -253,7 +256,7 @@ impl Desk {
     }
 }
 
-fn text(value: &impl serde::Serialize) -> String {
+pub(super) fn text(value: &impl serde::Serialize) -> String {
     serde_json::to_string(value).expect("what processes say is JSON")
 }
 
@@ -283,6 +286,15 @@ fn lock(gate: &Mutex<Gate>) -> std::sync::MutexGuard<'_, Gate> {
     gate.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Where a message was sent; `None` if nothing says so.
+fn physical(sample: &Sample) -> Option<PhysicalHeader> {
+    place(&sample.attachment()?.to_bytes())
+}
+
+fn place(header: &[u8]) -> Option<PhysicalHeader> {
+    serde_json::from_slice(header).ok().filter(PhysicalHeader::is_place)
+}
+
 fn link(sample: &Sample, refusals: &Refusals) -> Option<News> {
     let Some((src, what)) = name(sample).and_then(|name| split_agent(name, "link")) else {
         refusals.count("key", &format!("`{}` names no agent", sample.key_expr()));
@@ -290,7 +302,7 @@ fn link(sample: &Sample, refusals: &Refusals) -> Option<News> {
     };
     match what {
         "probe" => Some(News::Probe(src, json(sample, refusals)?)),
-        _ => Some(News::Link(src, sample.payload().to_bytes().into_owned())),
+        _ => Some(News::Link(src, physical(sample), sample.payload().to_bytes().into_owned())),
     }
 }
 
@@ -327,6 +339,20 @@ fn presence(sample: &Sample, _: &Refusals) -> Option<News> {
         (_, SampleKind::Put) => None,
         (name, SampleKind::Delete) => {
             split_agent(name, "alive").map(|(agent, _)| News::Gone(agent))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_survives_to_the_last_bit_and_anything_else_is_none() {
+        let header = PhysicalHeader { p_world: [0.1 + 0.2, -1e-300, 52.000_000_000_000_01] };
+        assert_eq!(place(text(&header).as_bytes()), Some(header));
+        for text in ["", "{}", "{\"p_world\": [1, 2]}", "{\"p_world\": [1, 2, 1e999]}", "7"] {
+            assert_eq!(place(text.as_bytes()), None, "{text}");
         }
     }
 }

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use csat_proto::control::{SaidSoFar, number_limit};
 use csat_proto::envelope::{Envelope, EnvelopeError};
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
+use csat_proto::radio::PhysicalHeader;
 use csat_proto::time::{SimTime, Step};
 
 use crate::seat::Said;
@@ -82,6 +83,12 @@ pub enum EtherError {
         /// Under whose key it came.
         key: AgentId,
     },
+    /// Nothing says where it was sent.
+    #[error("a message of agent {from} without a physical header")]
+    Physical {
+        /// Whose.
+        from: AgentId,
+    },
     /// No agent says so much.
     #[error("message {number} of agent {from} at step {step}: it can have said {max} by then")]
     Number {
@@ -125,7 +132,7 @@ pub enum EtherError {
 }
 
 impl Ether {
-    /// Takes a message that came under the key of `key`; the first one with its number counts. `newest` is
+    /// Takes a message that came under the key of `key` with a physical header; the first one with its number counts. `newest` is
     /// the step of this process's newest frame, `None` where others may be far ahead of it.
     ///
     /// # Errors
@@ -133,10 +140,11 @@ impl Ether {
     pub fn take(
         &mut self,
         key: AgentId,
+        physical: Option<PhysicalHeader>,
         bytes: Vec<u8>,
         newest: Option<Step>,
     ) -> Result<(), EtherError> {
-        let (said, step) = read(key, bytes)?;
+        let (said, step) = read(key, physical, bytes)?;
         let (from, number) = (said.src, said.sequence);
         let max = number_limit(step);
         if number >= max {
@@ -211,18 +219,23 @@ impl Ether {
     }
 }
 
-/// What the header of a message that came under the key of `key` says, and its step.
+/// What the headers of a message that came under the key of `key` say, and its step.
 ///
 /// # Errors
-/// When it is no message, or another agent's.
-pub fn read(key: AgentId, bytes: Vec<u8>) -> Result<(Said, Step), EtherError> {
+/// When it is no message, another agent's, or comes from no place.
+pub fn read(
+    key: AgentId,
+    physical: Option<PhysicalHeader>,
+    bytes: Vec<u8>,
+) -> Result<(Said, Step), EtherError> {
     let envelope = Envelope::decode(&bytes)?;
-    let Envelope { src, incarnation, channel, sequence, step, time, pose, .. } = envelope;
+    let Envelope { src, incarnation, channel, sequence, step, time, .. } = envelope;
     if src != key {
         return Err(EtherError::Forged { got: src, key });
     }
+    let PhysicalHeader { p_world } = physical.ok_or(EtherError::Physical { from: src })?;
     let bytes = Arc::from(bytes);
-    Ok((Said { src, incarnation, channel, sequence, time, p_world: pose.p_world, bytes }, step))
+    Ok((Said { src, incarnation, channel, sequence, time, p_world, bytes }, step))
 }
 
 /// By stream, the number of the next message.
@@ -239,6 +252,19 @@ mod tests {
     use csat_proto::camera::Pose;
     use csat_proto::ids::RunId;
     use proptest::prelude::*;
+
+    const HERE: PhysicalHeader = PhysicalHeader { p_world: [1.0, 2.0, 3.0] };
+
+    /// What an agent believes, or claims, changes nothing for the links.
+    #[test]
+    fn the_place_of_a_sender_is_the_one_of_the_physical_header() {
+        let mut ether = Ether::default();
+        let far = Envelope { pose: Pose::level([9e5, 0.0, 3.0], 0.0), ..envelope(1, 0, 0) };
+        take(&mut ether, 1, far.encode()).unwrap();
+        assert_eq!(ether.hear_all()[0].p_world, HERE.p_world);
+        let error = ether.take(AgentId(1), None, message(1, 0, 1), None).unwrap_err();
+        assert_eq!(error.to_string(), "a message of agent 1 without a physical header");
+    }
 
     fn envelope(src: u16, channel: u8, sequence: u64) -> Envelope {
         Envelope {
@@ -263,7 +289,7 @@ mod tests {
     }
 
     fn take(ether: &mut Ether, src: u16, bytes: Vec<u8>) -> Result<(), EtherError> {
-        ether.take(AgentId(src), bytes, Some(Step(0)))
+        ether.take(AgentId(src), Some(HERE), bytes, Some(Step(0)))
     }
 
     fn numbers(heard: &[Said]) -> Vec<u64> {

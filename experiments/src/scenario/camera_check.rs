@@ -1,4 +1,4 @@
-//! Whether a camera has enough pixels on a car (`spec/model.md`, "Camera").
+//! Whether a camera has enough pixels on a car (docs/concepts/frame.md).
 //!
 //! Assumption 4 labels a pixel Target only when *every* ray through it meets the car, and a car is
 //! identified by `min_pixels` such pixels. So the number that counts is that of pixels wholly inside

@@ -292,7 +292,7 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
     // Where heights are refused they are not lowered.
     let is_refused =
         |w: &MapWarning| matches!(w, MapWarning::MaxHeightLowered { .. }) && !mistakes.is_empty();
-    let is_told = |w: &&MapWarning| !(is_shipped && is_cut(w)) && !is_refused(w);
+    let is_told = |w: &&MapWarning| !(is_refused(w) || is_shipped && is_cut(w));
     let told: Vec<MapWarning> = map_warnings.iter().filter(is_told).cloned().collect();
     warnings.extend(by_cause(&told).into_iter().map(Mistake::new));
     if let Ok(world) = &world {

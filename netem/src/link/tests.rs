@@ -111,6 +111,7 @@ fn what_is_damaged_arrives_and_is_counted() {
     let arrivals: Vec<Arrival> = std::iter::from_fn(|| links.receive(sent(0).time)).collect();
     assert_eq!(arrivals.len(), 2);
     assert_eq!(arrivals[0], arrivals[1], "a copy is as damaged as its original");
+    assert_eq!(arrivals[0].src_p_world, sent(0).src_p_world, "it comes from where it was sent");
     assert_eq!(arrivals[0].bytes.iter().filter(|&&byte| byte != 0).count(), 1);
     let counters = links.counters();
     assert_eq!((counters.sent, counters.duplicated), (1, 1));

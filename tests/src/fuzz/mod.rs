@@ -6,10 +6,15 @@
 //! | [`fact`] | the body of a fact | believed or not, the agent lives on and is believed by others |
 //! | [`snapshot`] | the body of a snapshot | the same |
 //! | [`mod@scenario`] | a scenario file | it is loaded or every mistake is told |
+//! | [`wire::frame`] | a frame's header and pixels | nobody panics; what is accepted survives the way back |
+//! | [`wire::control`] | JSON or an account between world and agents | the same |
+//! | [`wire::queue`] | messages and orders in any sequence | each is heard once, and only when announced |
 
 mod moment;
 pub mod spoil;
+pub mod wire;
 
+use crate::hears::Hears;
 use csat_agent::agent::SetMembershipAgent;
 use csat_agent::exchange::validate;
 use csat_experiments::scenario::{self, Request};
@@ -25,8 +30,15 @@ pub use moment::Moment;
 pub type Check = fn(&[u8]);
 
 /// The targets, as folders of `fuzz/corpus` and as functions.
-pub const TARGETS: [(&str, Check); 4] =
-    [("envelope", envelope), ("fact", fact), ("snapshot", snapshot), ("scenario", scenario)];
+pub const TARGETS: [(&str, Check); 7] = [
+    ("envelope", envelope),
+    ("fact", fact),
+    ("snapshot", snapshot),
+    ("scenario", scenario),
+    ("frame", wire::frame),
+    ("control", wire::control),
+    ("queue", wire::queue),
+];
 
 /// Magic and version, before the checksum.
 const MAGIC_BYTES: usize = 5;
@@ -77,7 +89,7 @@ fn say(kind: u8, step: Option<Step>, bytes: &[u8]) {
 /// An agent in the middle of a mission hears something and flies on.
 fn tell(moment: &Moment, bytes: &[u8]) {
     let mut agent = moment.agent.clone();
-    agent.handle_message(moment.now, bytes);
+    agent.hear(moment.now, bytes);
     let is_rejected = !agent.rejected().is_empty();
     agent.handle_timeout(moment.now);
     if is_rejected {
@@ -164,6 +176,7 @@ pub fn seeds() -> Vec<(&'static str, String, Vec<u8>)> {
         seeds.push(("scenario", format!("{}.toml", shipped.name), text));
     }
     seeds.push(("scenario", "default.toml".into(), default_scenario().into_bytes()));
+    seeds.extend(wire::seeds());
     seeds
 }
 

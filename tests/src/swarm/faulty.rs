@@ -19,6 +19,7 @@ use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::command::YawCommand;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation, TargetId};
+use csat_proto::radio::Reception;
 use csat_proto::time::{SimTime, Step};
 use serde::{Deserialize, Serialize};
 
@@ -83,8 +84,8 @@ impl Agent for FaultyAgent {
         }
     }
 
-    fn handle_message(&mut self, now: SimTime, bytes: &[u8]) {
-        self.inner.handle_message(self.own(now), bytes);
+    fn handle_message(&mut self, now: SimTime, message: &Reception) {
+        self.inner.handle_message(self.own(now), message);
     }
 
     fn handle_timeout(&mut self, now: SimTime) {

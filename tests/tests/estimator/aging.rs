@@ -12,6 +12,7 @@ use csat_proto::raster::Raster;
 use csat_proto::region::{Region, grid_point};
 use csat_proto::time::{SimTime, Step};
 use csat_tests::geometry::Point;
+use csat_tests::hears::Hears;
 use csat_tests::scenes::{Case, blind};
 
 const V_MAX_M_S: f64 = 1.0;
@@ -66,7 +67,7 @@ fn told(config: &AgentConfig, bytes: &[u8]) -> SetMembershipAgent {
     let mut agent = SetMembershipAgent::new(config);
     let now = SimTime::from_seconds(f64::from(NOW.0) * config.period_s);
     agent.handle_frame(now, &blind(&config.camera, NOW, Pose::level([0.0, 0.0, 50.0], 0.0)));
-    agent.handle_message(now, bytes);
+    agent.hear(now, bytes);
     agent.handle_timeout(now);
     assert!(agent.rejected().is_empty(), "{:?}", agent.rejected());
     agent

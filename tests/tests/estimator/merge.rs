@@ -8,6 +8,7 @@ use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::{SimTime, Step};
 use csat_tests::flight::Flight;
 use csat_tests::geometry::difference_m2;
+use csat_tests::hears::Hears;
 use csat_tests::missions::small;
 use csat_tests::pair::Letter;
 use csat_tests::replay::{for_seeds, is_replay};
@@ -64,7 +65,7 @@ fn read<'a>(
     let letters: Vec<_> = letters.into_iter().collect();
     for chunk in letters.chunks(chunk) {
         for letter in chunk {
-            agent.handle_message(time, &letter.bytes);
+            agent.hear(time, &letter.bytes);
         }
         agent.handle_timeout(time);
     }

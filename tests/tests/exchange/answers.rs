@@ -5,6 +5,7 @@ use csat_proto::agent::Agent;
 use csat_proto::ids::AgentId;
 use csat_tests::flight::Flight;
 use csat_tests::geometry::difference_m2;
+use csat_tests::hears::Hears;
 use csat_tests::missions::small;
 use csat_tests::replay::for_seeds;
 
@@ -39,7 +40,7 @@ fn an_answer_tells_all_and_twice_the_same() {
         let now = flight.pair.time;
         let answer = flight.pair.agents[0].answer(now).expect("it knows something");
         for _ in 0..2 {
-            flight.pair.agents[1].handle_message(now, &answer.bytes);
+            flight.pair.agents[1].hear(now, &answer.bytes);
         }
         for _ in 0..3 {
             flight.step();
@@ -64,7 +65,7 @@ fn late_answers_are_grown_by_their_age() {
             flight.step();
         }
         let before_m2 = lead_m2(&flight);
-        flight.pair.agents[1].handle_message(flight.pair.time, &answer.bytes);
+        flight.pair.agents[1].hear(flight.pair.time, &answer.bytes);
         for _ in 0..4 {
             flight.step();
             flight.check_guarantee();
@@ -86,7 +87,7 @@ fn an_answer_and_the_snapshot_of_its_number_are_both_heard() {
     let snapshot = said.expect("it says a snapshot at every step").bytes.clone();
     let hearing = |letters: &[&[u8]]| {
         let mut agent = flight.pair.agents[1].clone();
-        letters.iter().for_each(|bytes| agent.handle_message(now, bytes));
+        letters.iter().for_each(|bytes| agent.hear(now, bytes));
         agent.handle_timeout(now);
         agent.digest()
     };

@@ -8,6 +8,7 @@ use csat_proto::ids::AgentId;
 use csat_proto::message::Message;
 use csat_proto::time::SimTime;
 use csat_tests::flight::Flight;
+use csat_tests::hears::Hears;
 use csat_tests::missions::small;
 use csat_tests::pair::Letter;
 
@@ -128,7 +129,7 @@ fn no_more_vertices_are_said_than_are_accepted() {
         flight.check_guarantee();
         let now = flight.pair.time;
         let [first, second] = &mut flight.pair.agents[..] else { unreachable!("a fleet of two") };
-        second.handle_message(now, &first.answer(now).expect("it knows something").bytes);
+        second.hear(now, &first.answer(now).expect("it knows something").bytes);
         let vertices = first.knowledge().unexplored.region().vertex_count();
         assert!(first.rejected().is_empty(), "{:?} of {vertices}", first.rejected());
         assert!(second.rejected().is_empty(), "{:?} of {vertices}", second.rejected());

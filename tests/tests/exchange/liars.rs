@@ -12,6 +12,7 @@ use csat_proto::raster::Grid;
 use csat_proto::region::Region;
 use csat_proto::time::{SimTime, Step};
 use csat_tests::geometry::Point;
+use csat_tests::hears::Hears;
 
 use super::spoiling::{Bench, ring};
 
@@ -52,7 +53,7 @@ fn claims_of_many_lives_do_not_silence_whoever_hears_them() {
         let bytes = bench.snapshot(|s| {
             (s.fact.number, s.fact.held.facts) = (first + round, lives);
         });
-        agent.handle_message(bench.now, &bytes);
+        agent.hear(bench.now, &bytes);
         agent.handle_timeout(bench.now);
         assert!(agent.rejected().is_empty(), "{:?}", agent.rejected());
     }
@@ -81,7 +82,7 @@ fn the_greatest_numbers_are_no_trap() {
                 (s.fact.number, s.fact.held.facts) = (number - 2, all(u32::MAX).collect());
             }),
         ] {
-            agent.handle_message(bench.now, &bytes);
+            agent.hear(bench.now, &bytes);
             agent.handle_timeout(bench.now);
             assert!(agent.rejected().is_empty(), "{:?}", agent.rejected());
         }
@@ -145,7 +146,7 @@ fn dust_of_long_ago_does_not_take_long() {
     for bytes in messages.map(old) {
         let mut agent = bench.agent.clone();
         let watch = Stopwatch::start();
-        agent.handle_message(bench.now, &bytes);
+        agent.hear(bench.now, &bytes);
         agent.handle_timeout(bench.now);
         let took_ms = watch.elapsed_ms();
         println!("{} kB took {took_ms:.0} ms", bytes.len() / 1000);

@@ -4,6 +4,7 @@ use csat_agent::config::ExchangeMode;
 use csat_proto::agent::Agent;
 use csat_proto::ids::AgentId;
 use csat_proto::message::Message;
+use csat_tests::hears::Hears;
 use csat_tests::pair::{Letter, silence};
 
 use super::letters::{digest, flight, unread_fact};
@@ -13,7 +14,7 @@ fn a_fact_tells_what_its_loss_does_not() {
     let (flight, letter) = unread_fact(3);
     let lost = flight.pair.agent(0).clone();
     let mut told = lost.clone();
-    told.handle_message(flight.pair.time, &letter.bytes);
+    told.hear(flight.pair.time, &letter.bytes);
     told.handle_timeout(flight.pair.time);
     let area = |agent: &csat_agent::agent::SetMembershipAgent| {
         agent.knowledge().unexplored.region().area_m2()
@@ -30,7 +31,7 @@ fn a_repeated_message_changes_nothing() {
     let read = |chunks: &[usize]| {
         let mut agent = flight.pair.agent(0).clone();
         for &copies in chunks {
-            (0..copies).for_each(|_| agent.handle_message(now, &letter.bytes));
+            (0..copies).for_each(|_| agent.hear(now, &letter.bytes));
             agent.handle_timeout(now);
         }
         agent
@@ -124,7 +125,7 @@ fn a_restarted_agent_catches_up_and_its_old_life_is_not_believed() {
     let now = flight.pair.time;
     let agent = &mut flight.pair.agents[0];
     let known = digest(agent);
-    agent.handle_message(now, &old.expect("UAV 1 said something").bytes);
+    agent.hear(now, &old.expect("UAV 1 said something").bytes);
     assert_eq!(agent.rejected().get("incarnation"), Some(&1));
     agent.handle_timeout(now);
     assert_eq!(digest(agent), known);

@@ -11,6 +11,7 @@ use csat_proto::raster::{Grid, Raster};
 use csat_proto::region::Region;
 use csat_proto::time::{SimTime, Step};
 use csat_tests::geometry::Point;
+use csat_tests::hears::Hears;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -57,7 +58,7 @@ fn honest_messages_are_believed() {
     bench.expect_believed(&bench.fact(|f| f.clear_ground = square(20.0, false)));
     bench.expect_believed(&bench.known(|k| k.unexplored = square(20.0, false)));
     let mut agent = bench.agent.clone();
-    agent.handle_message(bench.now, &bench.plan(|_| {}));
+    agent.hear(bench.now, &bench.plan(|_| {}));
     assert!(agent.rejected().is_empty(), "an honest plan is taken over");
 }
 
@@ -92,7 +93,7 @@ fn old_messages_are_rejected() {
     let blind = |step| csat_tests::scenes::blind(&config.camera, Step(step), pose);
     bench.agent.handle_frame(at(late), &blind(late));
     let mut just_in_time = bench.agent.clone();
-    just_in_time.handle_message(at(late), &bench.envelope.encode());
+    just_in_time.hear(at(late), &bench.envelope.encode());
     assert!(just_in_time.rejected().is_empty(), "{:?}", just_in_time.rejected());
     bench.now = at(late + 1);
     bench.agent.handle_frame(bench.now, &blind(late + 1));
@@ -179,7 +180,7 @@ fn maps_that_cannot_be_are_rejected() {
     bench.expect("cell", &bench.fact(|f| f.oem = upto(cells + 1)));
     bench.expect("cell", &bench.snapshot(|s| s.fact.oem = upto(cells + 1)));
     let mut agent = bench.agent.clone();
-    agent.handle_message(bench.now, &bench.fact(|f| f.oem = upto(cells)));
+    agent.hear(bench.now, &bench.fact(|f| f.oem = upto(cells)));
     assert!(agent.rejected().is_empty(), "the last cell is one: {:?}", agent.rejected());
     // Runs of gap, length, state: bytes that claim 2³³ cells, and 2⁴⁶. Walking through those would take
     // days.
@@ -230,7 +231,7 @@ fn a_reason_is_reported_of_every_sender() {
         let mut envelope = Envelope::decode(&letter.bytes).unwrap();
         (envelope.src, envelope.body) = (AgentId(src), Vec::new());
         envelope.step = Step(0);
-        agent.handle_message(now, &envelope.encode());
+        agent.hear(now, &envelope.encode());
         reported.extend(std::iter::from_fn(|| agent.poll_event()).map(|event| match event {
             Event::Rejected { from, reason, .. } => (from, reason.into_owned()),
             other => panic!("{other:?}"),
@@ -253,13 +254,13 @@ fn a_flood_is_not_kept() {
     let flood: Vec<Vec<u8>> = (0..max + 3).map(another).collect();
     let (kept, refused) = flood.split_at(max as usize);
     for bytes in kept {
-        bench.agent.handle_message(bench.now, bytes);
+        bench.agent.hear(bench.now, bytes);
         // Repeats take no room.
-        bench.agent.handle_message(bench.now, bytes);
+        bench.agent.hear(bench.now, bytes);
     }
     assert!(bench.agent.rejected().is_empty(), "{:?}", bench.agent.rejected());
     for (bytes, count) in refused.iter().zip(1..) {
-        bench.agent.handle_message(bench.now, bytes);
+        bench.agent.hear(bench.now, bytes);
         assert_eq!(bench.agent.rejected().get("full"), Some(&count));
     }
     let event = bench.agent.poll_event();
@@ -295,7 +296,7 @@ fn nothing_in_a_body_makes_an_agent_panic() {
         });
         let mut agent = bench.agent.clone();
         let before = digest(&agent);
-        agent.handle_message(bench.now, &bytes);
+        agent.hear(bench.now, &bytes);
         agent.handle_timeout(bench.now);
         if agent.rejected().is_empty() {
             believed += 1;

@@ -8,6 +8,7 @@ use csat_proto::message::{Fact, Known, Message, Plan, Snapshot};
 use csat_proto::region::{Region, grid_point};
 use csat_proto::time::{SimTime, Step};
 use csat_tests::geometry::Point;
+use csat_tests::hears::Hears;
 
 use super::letters::{body, digest, unread_fact};
 
@@ -28,7 +29,7 @@ impl Bench {
         let Message::Fact(mut fact) = body(&letter) else { panic!("a fact was asked for") };
         envelope.incarnation = Incarnation(4);
         let now = flight.pair.time;
-        agent.handle_message(now, &envelope.encode());
+        agent.hear(now, &envelope.encode());
         agent.handle_timeout(now);
         assert!(agent.rejected().is_empty(), "{:?}", agent.rejected());
         while agent.poll_event().is_some() {}
@@ -85,7 +86,7 @@ impl Bench {
         let mut agent = self.agent.clone();
         let before = digest(&agent);
         for count in 1..=3 {
-            agent.handle_message(self.now, bytes);
+            agent.hear(self.now, bytes);
             let rejected: Vec<_> = agent.rejected().iter().map(|(r, n)| (*r, *n)).collect();
             assert_eq!(rejected, [(reason, count)]);
         }
@@ -102,7 +103,7 @@ impl Bench {
     /// When a message is not believed, or says nothing new.
     pub fn expect_believed(&self, bytes: &[u8]) {
         let mut agent = self.agent.clone();
-        agent.handle_message(self.now, bytes);
+        agent.hear(self.now, bytes);
         assert!(agent.rejected().is_empty(), "{:?}", agent.rejected());
         let before = agent.clone();
         agent.handle_timeout(self.now);

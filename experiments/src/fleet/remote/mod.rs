@@ -381,6 +381,7 @@ impl<M: Mission> RemoteFleet<M> {
                 time: brief.now,
                 next: brief.next,
                 pose: brief.poses[index],
+                p_world: None,
                 incarnation,
                 detections: frame.as_ref().map(|f| f.detections.clone()).unwrap_or_default(),
                 said: said.clone(),
