@@ -9,7 +9,7 @@ use anyhow::Context;
 use csat_experiments::fleet::remote::FleetError;
 use csat_experiments::logs::Logs;
 use csat_experiments::mission::RunOptions;
-use csat_experiments::process::agent::{self, AgentError, ENDED_BY_SIGNAL};
+use csat_experiments::process::agent::{self, AgentError, EndedBy};
 use csat_experiments::process::arguments::{AgentArguments, WorldArguments};
 use csat_experiments::process::leash;
 use csat_experiments::process::spawn::{self, SpawnArguments, SpawnError};
@@ -97,7 +97,7 @@ pub fn agent(arguments: &AgentArguments, logs: &Logs) -> anyhow::Result<u8> {
     }
     match agent::fly(arguments) {
         Ok(_) => Ok(DONE),
-        Err(AgentError::Ended(ENDED_BY_SIGNAL)) => Ok(INTERRUPTED),
+        Err(AgentError::Ended(EndedBy::Signal)) => Ok(INTERRUPTED),
         Err(error @ (AgentError::Wire(_) | AgentError::Refused { .. })) => {
             tell!("error: {error}");
             Ok(BAD_INPUT)

@@ -16,6 +16,7 @@ use zenoh::query::{Query, Queryable, Reply};
 use zenoh::sample::{Locality, Sample, SampleKind};
 use zenoh::{Session, Wait};
 
+use super::agent::EndedBy;
 use super::gate::Gate;
 use crate::seat::Said;
 use crate::wire::hearing::{json, parse, queueing};
@@ -51,8 +52,8 @@ pub enum News {
     Looked(Query),
     /// What another agent knows, because this process asked: a message, still encoded, and where it was sent.
     Answer(AgentId, Option<PhysicalHeader>, Vec<u8>),
-    /// Somebody wants this process to end: who.
-    End(&'static str),
+    /// This process is to end.
+    End(EndedBy),
 }
 
 /// What has come and is not read yet, of which there is never too much: it drops what does not fit.

@@ -1,0 +1,105 @@
+//! What a process tells of its agent: to the world, to agents that ask, to people.
+
+use csat_proto::agent::FIRST_ANSWER;
+use csat_proto::control::{Done, Pace, SaidSoFar};
+use csat_proto::ids::AgentId;
+use csat_proto::radio::PhysicalHeader;
+use csat_proto::time::Step;
+use zenoh::Wait;
+
+use super::Shell;
+use crate::fleet::Passage;
+use crate::fleet::remote::account::{Account, Asked, Head};
+use crate::process::desk::text;
+use crate::process::ether;
+use crate::process::mirror::Picture;
+
+impl Shell {
+    /// Answers those who want to know what the agent knows, or lets them wait while it has a frame
+    /// that it has not applied yet.
+    pub(super) fn tell(&mut self) {
+        let Some(clock) = self.clock.filter(|_| !self.asked.is_empty()) else { return };
+        let Some(answer) = self.seat.answer(clock.time) else { return };
+        let key = self.keys.state(self.id, "snapshot");
+        let physical = text(&self.seat.physical());
+        tracing::debug!(own = %self.id, askers = self.asked.len(), "is asked");
+        for query in self.asked.drain(..) {
+            // The key that was asked for may be a pattern.
+            let reply = query.reply(&key, &answer.bytes).attachment(&physical);
+            if let Err(error) = reply.wait() {
+                tracing::warn!(%error, "cannot answer a query");
+            }
+        }
+    }
+
+    /// What another agent answered. It passes the links like everything that agents know: what
+    /// cannot be heard from there is not learnt.
+    pub(super) fn catch_up(
+        &mut self,
+        agent: AgentId,
+        physical: Option<PhysicalHeader>,
+        bytes: Vec<u8>,
+    ) {
+        tracing::debug!(own = %self.id, %agent, bytes = bytes.len(), "answers");
+        match ether::read(agent, physical, bytes) {
+            Ok((said, _)) if said.sequence >= FIRST_ANSWER => self.seat.hear(&said),
+            Ok(_) => self.desk.refusals().count("message", &"an answer numbered as a message"),
+            Err(error) => self.desk.refusals().count("message", &error),
+        }
+    }
+
+    /// Tells the world that a frame or a turn is done.
+    pub(super) fn answer(&mut self, step: Step, round: u32) {
+        let said = SaidSoFar {
+            agent: self.id,
+            incarnation: self.seat.incarnation(),
+            next: self.next.clone(),
+        };
+        self.desk.done(&Done {
+            process: self.process,
+            step,
+            round,
+            said: self.seat.is_alive().then_some(said),
+            due: self.seat.next_due(),
+            commands: self.seat.take_commands(),
+        });
+    }
+
+    /// What people may see of the agent now.
+    pub(super) fn picture(&mut self, passages: Vec<Passage>, bytes_sent: u64) -> Picture {
+        let (step, time_s) = self.clock.map_or((Step(0), 0.0), |c| (c.step, c.time.seconds()));
+        let report = self.seat.show(&self.mission);
+        let incarnation = self.seat.incarnation();
+        Picture { incarnation, step, time_s, report, passages, bytes_sent }
+    }
+
+    /// Tells the world what a step came to, as often as it asks: it knows what it asked for.
+    pub(super) fn report(&mut self, step: Step, asked: Asked) {
+        let Some(clock) = self.clock else { return };
+        // In real time the step that is over may be one whose frame was missed.
+        let newest = self.desk.newest_frame().filter(|_| self.pace != Pace::Lockstep);
+        if !(clock.step..=newest.unwrap_or(clock.step)).contains(&step) {
+            let reason = format!("the end of step {step} during step {}", clock.step);
+            self.desk.refusals().count("order", &reason);
+            return;
+        }
+        let mut flown = self.seat.finish(&self.mission, asked.detail());
+        if asked == Asked::All {
+            flown.report = Some(self.seat.show(&self.mission));
+        } else if self.mirror.is_wanted() && self.seat.is_alive() {
+            let picture = self.picture(flown.passages.clone(), flown.bytes_sent);
+            self.mirror.show(picture);
+        }
+        self.told.add(&flown);
+        let head = Head {
+            process: self.process,
+            step: clock.step,
+            round: self.round,
+            asked,
+            looked: self.looked,
+            refused: self.desk.refusals().counts(),
+        };
+        let account = Account::new(head, flown, &self.told, self.seat.links());
+        self.desk.report(account.encode());
+    }
+}
