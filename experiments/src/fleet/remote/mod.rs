@@ -4,6 +4,9 @@
 //! |---|---|
 //! | [`port`] | the world's Zenoh keys |
 //! | [`roster`] | which processes there are, and whether all hear each other |
+//! | `hearing` | what processes say, and what of it is believed |
+//! | `lockstep`, `realtime` | how a step goes |
+//! | `presence` | whether any process is left |
 //! | [`account`] | what a process tells at the end of a step |
 //! | [`silence`] | since when nothing is heard of a process |
 //! | [`now`] | what an answer must be of to be believed |
@@ -15,19 +18,24 @@
 
 pub mod account;
 pub mod ended;
+mod error;
+mod hearing;
+mod lockstep;
 pub mod now;
 pub mod port;
+mod presence;
+mod realtime;
 pub mod roster;
 pub mod silence;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use csat_netem::counters::{Counters, LinkCounters};
 use csat_netem::link::LinkId;
-use csat_proto::control::{Done, FrameHeader, Order, Pace, SaidSoFar};
+use csat_proto::control::{FrameHeader, Order, Pace, SaidSoFar};
 use csat_proto::ids::AgentId;
 use csat_proto::time::{SimTime, Step};
 use csat_world::camera::Renderer;
@@ -35,12 +43,13 @@ use rayon::prelude::*;
 
 use self::account::{Account, Asked};
 use self::ended::Ended;
+pub use self::error::FleetError;
 use self::now::Now;
-use self::port::{News, Port};
+use self::port::Port;
 use self::roster::Roster;
 use self::silence::Silence;
 use super::{Brief, Fleet, Flown, Frames, renderers};
-use crate::plug::{Detail, Mission};
+use crate::plug::Mission;
 use crate::stages;
 use crate::timing::{StageTimes, Stopwatch};
 use crate::wire::refusals;
@@ -58,38 +67,6 @@ const LOOK: Duration = Duration::from_millis(100);
 
 /// How long processes may take to end.
 const FAREWELL: Duration = Duration::from_secs(2);
-
-/// Why a fleet of processes cannot go on.
-#[derive(Debug, thiserror::Error)]
-pub enum FleetError {
-    /// Somebody did not do something in time.
-    #[error("waited {limit_s} s for {whom} to {what}")]
-    Late {
-        /// How long.
-        limit_s: u64,
-        /// Their names.
-        whom: String,
-        /// What was waited for.
-        what: String,
-    },
-    /// The user wants the mission to end.
-    #[error("ended by the user before all agents were there")]
-    Interrupted,
-    /// All agents' processes ended.
-    #[error("no agent's process is left at step {step}; `csat spawn --restart` brings them back")]
-    Deserted {
-        /// k.
-        step: Step,
-    },
-    /// All agents' processes ended, and those that were to be started again did not come.
-    #[error("waited {limit_s} s at step {step} for an agent's process to come back")]
-    Abandoned {
-        /// How long.
-        limit_s: u64,
-        /// k.
-        step: Step,
-    },
-}
 
 /// One agent's process, as far as the current step goes.
 #[derive(Debug, Default)]
@@ -217,81 +194,6 @@ impl<M: Mission> RemoteFleet<M> {
         }
     }
 
-    /// Takes note of what a process says.
-    fn take(&mut self, news: News) {
-        match news {
-            News::Join(query) => self.roster.join(query),
-            News::Ready(agent, ready) => self.roster.ready(agent, &ready),
-            News::Here(agent) => self.roster.here(agent),
-            News::Gone(agent) => {
-                if self.roster.gone(agent) {
-                    self.bury(agent);
-                }
-            }
-            News::Done(agent, done) => self.done(agent, done),
-            News::Account(agent, bytes) => self.account(agent, &bytes),
-        }
-    }
-
-    fn done(&mut self, agent: AgentId, done: Done) {
-        if let Err(reason) = self.check_done(agent, &done) {
-            self.port.refusals().count("answer", &format!("agent {agent}: {reason}"));
-            return;
-        }
-        let member = &mut self.members[usize::from(agent.0)];
-        member.is_heard = true;
-        member.done = Some((done.step, done.round));
-        member.said = done.said;
-        member.due = done.due;
-        member.commands.extend(done.commands);
-    }
-
-    fn check_done(&self, agent: AgentId, done: &Done) -> Result<(), String> {
-        self.check_process(agent, done.process)?;
-        let Member { done: last, said, .. } = &self.members[usize::from(agent.0)];
-        self.now.check_done(agent, *last, said.as_ref(), done)
-    }
-
-    fn check_process(&self, agent: AgentId, process: u64) -> Result<(), String> {
-        match self.roster.process(agent) {
-            Some(own) if own == process => Ok(()),
-            _ => Err(format!("process {process} does not fly it")),
-        }
-    }
-
-    fn account(&mut self, agent: AgentId, bytes: &[u8]) {
-        let account = Account::<M::Report>::decode(bytes).map_err(|error| error.to_string());
-        let checked = account.and_then(|account| {
-            self.check_process(agent, account.head.process)?;
-            self.now.check_report(&account.head)?;
-            Ok(account)
-        });
-        match checked {
-            Ok(account) if self.now.is_all(&account.head) => {
-                let member = &mut self.members[usize::from(agent.0)];
-                member.account = Some(account);
-                (member.is_new, member.is_heard) = (true, true);
-            }
-            Ok(_) => {}
-            Err(reason) => {
-                self.port.refusals().count("report", &format!("agent {agent}: {reason}"));
-            }
-        }
-    }
-
-    /// A process is gone, and with it what was on its way to it.
-    fn bury(&mut self, agent: AgentId) {
-        let member = &mut self.members[usize::from(agent.0)];
-        if let Some(account) = &mut member.account {
-            let counters = std::mem::take(&mut account.counters);
-            member.ended.bury(counters, std::mem::take(&mut account.links));
-            member.ended.looked += std::mem::take(&mut account.head.looked);
-            refusals::add(&mut member.ended.refused, &std::mem::take(&mut account.head.refused));
-        }
-        (member.done, member.said, member.due, member.is_new) = (None, None, None, false);
-        member.commands.clear();
-    }
-
     /// Waits until `is_finished` holds for every agent that has a process.
     fn wait(
         &mut self,
@@ -310,41 +212,6 @@ impl<M: Mission> RemoteFleet<M> {
                 None => return Err(self.late(self.patience, &open, what())),
             }
         }
-    }
-
-    /// In lockstep, when no process is left: waits until one that was started again takes part.
-    fn await_restart(&mut self) {
-        let Some(interrupted) = self.restarts.clone() else { return };
-        let watch = Stopwatch::start();
-        while self.is_deserted()
-            && !interrupted.load(Ordering::SeqCst)
-            && !watch.left(self.patience).is_zero()
-        {
-            if let Some(news) = self.port.next(LOOK) {
-                self.take(news);
-            }
-            self.roster.admit();
-        }
-    }
-
-    fn is_deserted(&self) -> bool {
-        self.roster.present().next().is_none()
-    }
-
-    /// Whether a step can be flown: somebody is there or, if processes are started again, may still come.
-    fn check_presence(&mut self, step: Step) -> Result<(), FleetError> {
-        if !self.is_deserted() {
-            self.deserted = None;
-            return Ok(());
-        }
-        let since = *self.deserted.get_or_insert_with(Stopwatch::start);
-        let Some(interrupted) = &self.restarts else { return Err(FleetError::Deserted { step }) };
-        // In lockstep they have been waited for; in real time it goes on meanwhile.
-        let may_come = self.pace != Pace::Lockstep && !since.left(self.patience).is_zero();
-        if may_come || interrupted.load(Ordering::SeqCst) {
-            return Ok(());
-        }
-        Err(FleetError::Abandoned { limit_s: self.patience.as_secs(), step })
     }
 
     fn names(&self, agents: &[AgentId]) -> String {
@@ -392,86 +259,6 @@ impl<M: Mission> RemoteFleet<M> {
 
     fn said(&self) -> Vec<SaidSoFar> {
         self.members.iter().filter_map(|member| member.said.clone()).collect()
-    }
-
-    /// Turns until nothing is left before the next step.
-    fn settle(&mut self, brief: &Brief) -> Result<(), FleetError> {
-        let step = brief.step;
-        let finished =
-            |round: u32| move |member: &Member<M::Report>| member.done == Some((step, round));
-        self.wait(|| format!("look at their frames of step {step}"), finished(0))?;
-        let (mut now, mut round, mut heard) = (brief.now, 0, Vec::new());
-        loop {
-            let said = self.said();
-            // What was said a moment ago may be due at once, which only its receivers know.
-            if said == heard {
-                let present = self.roster.present();
-                let dues = present.filter_map(|agent| self.members[usize::from(agent.0)].due);
-                match dues.min() {
-                    Some(due) if due < brief.next => now = now.max(due),
-                    _ => return Ok(()),
-                }
-            }
-            round += 1;
-            self.now.round = round;
-            self.port.voice().say(Order::Turn { step, round, now, said: said.clone() });
-            heard = said;
-            self.wait(|| format!("finish turn {round} of step {step}"), finished(round))?;
-        }
-    }
-
-    /// Until that many periods of real time after the first frame.
-    fn pass_time(&mut self, periods: f64, period_s: f64, speed: f64) {
-        let clock = *self.clock.get_or_insert_with(Stopwatch::start);
-        let until = Duration::from_secs_f64((periods * period_s / speed).max(0.0));
-        loop {
-            let left = clock.left(until);
-            if left.is_zero() {
-                return;
-            }
-            if let Some(news) = self.port.next(left) {
-                self.take(news);
-            }
-        }
-    }
-
-    fn fly_lockstep(&mut self, brief: &Brief) -> Result<(), FleetError> {
-        self.settle(brief)?;
-        let step = brief.step;
-        self.close(brief.detail);
-        self.wait(|| format!("report on step {step}"), |member| member.is_new)
-    }
-
-    /// Asks for what the step came to.
-    fn close(&mut self, detail: Detail) {
-        let full = detail == Detail::Full;
-        self.now.asked = Some(if full { Asked::Full } else { Asked::Brief });
-        self.port.voice().say(Order::Close { step: self.now.step, full });
-    }
-
-    fn fly_realtime(&mut self, brief: &Brief, speed: f64) {
-        let step = f64::from(brief.step.0);
-        let period_s = brief.next.seconds_since(brief.now);
-        self.pass_time(step + CLOSE_SHARE, period_s, speed);
-        self.close(brief.detail);
-        self.pass_time(step + 1.0, period_s, speed);
-    }
-
-    /// Keeps account of who said nothing in a step that is over.
-    fn note_silence(&mut self, brief: &Brief) {
-        let least_s = match self.pace {
-            Pace::Lockstep => 0.0,
-            Pace::Realtime(speed) => SILENCE_S * speed,
-        };
-        let span_s = (brief.now.seconds(), brief.next.seconds());
-        let members = self.members.iter_mut().zip(&brief.is_down_by_schedule).enumerate();
-        for (index, (member, is_down)) in members {
-            let is_heard = std::mem::take(&mut member.is_heard) || *is_down;
-            if member.silence.note(span_s, is_heard, least_s) {
-                let since_s = span_s.1 - member.silence.lasts_s();
-                tracing::warn!(agent = index, since_s, "nothing is heard of its process");
-            }
-        }
     }
 
     /// What everybody told of the step, and nothing of those who told nothing.
