@@ -23,7 +23,7 @@ use csat_proto::time::{SimTime, Step};
 use serde::{Deserialize, Serialize};
 use tracing::info_span;
 
-use crate::commons::{Commons, Identity};
+use crate::commons::Commons;
 use crate::config::{AgentConfig, ExchangeMode};
 use crate::estimate::evidence::Heard;
 use crate::estimate::settled::Settled;
@@ -37,6 +37,7 @@ use crate::exchange::validate::Rejection;
 use crate::guidance::airspace::{Airspace, WayOut};
 use crate::guidance::schedule::{Pass, Scheduler};
 use crate::guidance::{Decision, Picture, Planner};
+use crate::identity::Identity;
 use crate::mutant::{Mutant, is_on};
 use crate::sense::{Measured, Sensor};
 
@@ -115,7 +116,7 @@ pub struct SetMembershipAgent {
     now: SimTime,
     /// A frame or a plan came since the last [`Agent::handle_timeout`]. What others know can wait for
     /// the next frame: applied one by one it would cost as much as everything at once.
-    stirred: bool,
+    update_due: bool,
 }
 
 impl SetMembershipAgent {
@@ -150,7 +151,7 @@ impl SetMembershipAgent {
             commands: VecDeque::new(),
             events: VecDeque::new(),
             now: SimTime(0),
-            stirred: false,
+            update_due: false,
             config: config.clone(),
         }
     }
@@ -324,7 +325,7 @@ impl SetMembershipAgent {
             // What it shows is of then, and would be believed of now.
             return self.reject(None, &Rejection::OldFrame { got: step.0, last: last.0 });
         }
-        self.stirred = true;
+        self.update_due = true;
         self.pose = pose;
         // The frame before was never followed by a timeout: whoever drives this is late.
         self.update();
@@ -437,7 +438,7 @@ impl Agent for SetMembershipAgent {
                     Ok(()) => {
                         self.inbox.believe(from, incarnation);
                         // A station has no decision that waits for it.
-                        self.stirred |= !self.config.is_station();
+                        self.update_due |= !self.config.is_station();
                     }
                     Err(error) => self.reject(Some(from), &Rejection::Plan(error)),
                 }
@@ -449,7 +450,7 @@ impl Agent for SetMembershipAgent {
 
     fn handle_timeout(&mut self, now: SimTime) {
         self.now = now;
-        self.stirred = false;
+        self.update_due = false;
         self.update();
         self.scheduler.on_timeout(now);
         while let Some(pass) = self.scheduler.ready() {
@@ -479,7 +480,7 @@ impl Agent for SetMembershipAgent {
     }
 
     fn poll_timeout(&self) -> Option<SimTime> {
-        if self.stirred { Some(self.now) } else { self.scheduler.next_deadline() }
+        if self.update_due { Some(self.now) } else { self.scheduler.next_deadline() }
     }
 
     fn digest(&self) -> u64 {

@@ -13,36 +13,13 @@ use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
 use csat_proto::time::Step;
-use xxhash_rust::xxh3::{Xxh3Default, xxh3_128};
 
 use crate::estimate::Changes;
 use crate::estimate::settled::Settled;
 use crate::estimate::state::Knowledge;
 use crate::exchange::inbox::Letter;
 use crate::exchange::validate::Rejection;
-
-/// A hash that stands for what it was made of: 128 bits, so that no two are ever alike.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub struct Identity(u128);
-
-impl Identity {
-    /// Of a message as it was sent.
-    pub fn of(bytes: &[u8]) -> Self {
-        Self(xxh3_128(bytes))
-    }
-
-    /// Of several things in their order.
-    pub fn of_all(parts: impl IntoIterator<Item = u128>) -> Self {
-        let mut hasher = Xxh3Default::new();
-        parts.into_iter().for_each(|part| hasher.update(&part.to_le_bytes()));
-        Self(hasher.digest128())
-    }
-
-    /// The hash.
-    pub fn bits(self) -> u128 {
-        self.0
-    }
-}
+use crate::identity::Identity;
 
 /// What the agents of a process share; cloned, it is the same.
 #[derive(Debug, Clone, Default)]
@@ -104,7 +81,7 @@ impl<V> Memo<V> {
         let mut cells = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let newest = cells.last_key_value().map_or(Step(0), |((step, _), _)| *step);
         if newest < now {
-            *cells = cells.split_off(&(Step(now.0.saturating_sub(1)), Identity(0)));
+            *cells = cells.split_off(&(Step(now.0.saturating_sub(1)), Identity::default()));
         }
         cells.entry((now, identity)).or_default().clone()
     }

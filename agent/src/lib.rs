@@ -3,6 +3,7 @@
 //! | module | station |
 //! |---|---|
 //! | [`agent`] | the state machine: frames and messages in, messages and commands out |
+//! | [`identity`] | what messages and knowledge are recognised by |
 //! | [`commons`] | what agents of one process need not find out twice |
 //! | [`config`] | everything it is told before the start |
 //! | [`region`] | outer and inner sets: the types that carry the guarantee |
@@ -19,6 +20,7 @@ pub mod config;
 pub mod estimate;
 pub mod exchange;
 pub mod guidance;
+pub mod identity;
 pub mod mutant;
 pub mod region;
 pub mod sense;

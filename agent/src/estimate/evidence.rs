@@ -7,8 +7,8 @@ use csat_proto::message::{Fact, Known};
 use csat_proto::region::Region;
 use csat_proto::time::Step;
 
-use crate::commons::Identity;
 use crate::config::AgentConfig;
+use crate::identity::Identity;
 use crate::mutant::{Mutant, is_on};
 use crate::region::{Inner, Outer, Reach};
 use crate::sense::{Measured, MeasuredTarget};

@@ -7,8 +7,8 @@ use csat_proto::raster::Raster;
 
 use super::oem::BlockHashes;
 use super::state::Knowledge;
-use crate::commons::Identity;
 use crate::guidance::Looks;
+use crate::identity::Identity;
 
 /// Knowledge that does not change any more, and what follows from it, found when first asked for.
 #[derive(Debug)]

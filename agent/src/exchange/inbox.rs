@@ -11,9 +11,10 @@ use csat_proto::time::Step;
 
 use super::held::Held;
 use super::validate::{self, Rejection};
-use crate::commons::{Commons, Identity};
+use crate::commons::Commons;
 use crate::config::AgentConfig;
 use crate::estimate::evidence::Heard;
+use crate::identity::Identity;
 use crate::mutant::{Mutant, is_on};
 
 /// Valid facts and snapshots that wait for the next update.

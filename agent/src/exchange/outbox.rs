@@ -14,9 +14,9 @@ use csat_proto::time::{SimTime, Step};
 
 use super::budget::{Shortener, encode, fit};
 use super::repair::{BLOCKS_PER_FACT, Repair};
-use crate::commons::Identity;
 use crate::config::{AgentConfig, ExchangeConfig, ExchangeMode};
 use crate::estimate::state::Knowledge;
+use crate::identity::Identity;
 use crate::mutant::{Mutant, is_on};
 use crate::sense::Measured;
 

@@ -1,6 +1,6 @@
-//! Who lacks what, and whose turn it is to help.
+//! Anti-entropy: which agent is missing facts, and which agent resends them.
 //!
-//! Facts carry a [`Digest`] of what their sender holds. Whoever held more, and for longer than a message
+//! Facts carry a [`Digest`] of what their sender holds. An agent that held more, and for longer than a message
 //! may be on its way when the digest was made, says it again: cells of the map in its next facts,
 //! everything else as a snapshot. All neighbours see the same digest, so they take turns: the next in the order
 //! of indexes answers at once, the others only if the digest does not get better.

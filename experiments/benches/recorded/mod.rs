@@ -8,11 +8,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use csat_agent::agent::SetMembershipAgent;
-use csat_agent::commons::Identity;
 use csat_agent::config::AgentConfig;
 use csat_agent::estimate::Estimator;
 use csat_agent::estimate::evidence::Heard;
 use csat_agent::estimate::state::Knowledge;
+use csat_agent::identity::Identity;
 use csat_agent::sense::{Measured, Sensor};
 use csat_experiments::engine::Engine;
 use csat_experiments::mission::{self, RunOptions};

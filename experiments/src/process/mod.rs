@@ -8,7 +8,7 @@
 //! | [`spawn`] | starts both and leaves none behind |
 //! | [`leash`] | how a child notices that its parent is gone |
 //! | [`gate`] | which frames it believes to be its world's |
-//! | [`ether`] | what others say on the links, until it is heard |
+//! | [`queue`] | what others say on the links, until it is heard |
 //! | [`desk`] | an agent's Zenoh keys |
 //! | [`mirror`] | what an agent shows to people |
 //! | [`truth`] | what the world shows to people |
@@ -17,11 +17,11 @@
 pub mod agent;
 pub mod arguments;
 pub mod desk;
-pub mod ether;
 pub mod gate;
 pub mod join;
 pub mod leash;
 pub mod mirror;
+pub mod queue;
 pub mod spawn;
 pub mod truth;
 pub mod world;

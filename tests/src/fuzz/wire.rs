@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use csat_experiments::fleet::remote::account::Account;
-use csat_experiments::process::ether::Ether;
+use csat_experiments::process::queue::MessageQueue;
 use csat_experiments::set_membership::report::Report;
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::control::{
@@ -93,18 +93,18 @@ fn json<T: Serialize + DeserializeOwned>(bytes: &[u8]) -> Option<T> {
 /// When something is found.
 pub fn queue(bytes: &[u8]) {
     let own = AgentId(0);
-    let (mut ether, mut heard) = (Ether::default(), BTreeSet::new());
+    let (mut queue, mut heard) = (MessageQueue::default(), BTreeSet::new());
     for &[what, agent, life, radio, high, low] in bytes.as_chunks::<6>().0 {
         let (agent, incarnation) = (AgentId(u16::from(agent % 4)), Incarnation((life % 3).into()));
         let (channel, number) = (ChannelId(radio % 2), u64::from(u16::from_be_bytes([high, low])));
         let said = SaidSoFar { agent, incarnation, next: vec![number; usize::from(radio % 3)] };
         let got = match what % 6 {
             0 => {
-                ether.skip(&[said], SimTime(number));
+                queue.skip(&[said], SimTime(number));
                 Vec::new()
             }
-            1 if ether.lacks(std::slice::from_ref(&said), own).is_none() => {
-                let got = ether.hear(std::slice::from_ref(&said), own);
+            1 if queue.lacks(std::slice::from_ref(&said), own).is_none() => {
+                let got = queue.hear(std::slice::from_ref(&said), own);
                 let is_announced = |one: &csat_experiments::seat::Said| {
                     let next = said.next.get(usize::from(one.channel.0));
                     one.src == agent && next.is_some_and(|next| one.sequence < *next)
@@ -112,13 +112,13 @@ pub fn queue(bytes: &[u8]) {
                 assert!(got.iter().all(is_announced), "heard without a word: {got:?}");
                 got
             }
-            2 => ether.hear_all(),
+            2 => queue.hear_all(),
             _ => {
                 let sequence = if what & 0x80 == 0 { number } else { u64::MAX - number };
                 let bytes = message(agent, incarnation, channel, sequence);
                 let newest = (what & 0x40 == 0).then_some(Step(0));
                 let physical = (what & 0x20 == 0).then_some(PhysicalHeader { p_world: [0.0; 3] });
-                let _ = ether.take(AgentId(u16::from(life % 5)), physical, bytes, newest);
+                let _ = queue.take(AgentId(u16::from(life % 5)), physical, bytes, newest);
                 Vec::new()
             }
         };

@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use csat_agent::commons::Identity;
 use csat_agent::estimate::Estimator;
 use csat_agent::estimate::evidence::Heard;
 use csat_agent::estimate::state::Knowledge;
+use csat_agent::identity::Identity;
 use csat_experiments::engine::StepTrace;
 use csat_proto::agent::FIRST_ANSWER;
 use csat_proto::envelope::Envelope;

@@ -19,7 +19,7 @@ impl Shell {
     pub(super) fn check_patience(&self) -> Result<(), AgentError> {
         let Some(turn) = &self.turn else { return Ok(()) };
         let is_over = turn.waiting.left(self.patience).is_zero();
-        match self.ether.lacks(&turn.said, self.id) {
+        match self.queue.lacks(&turn.said, self.id) {
             Some((from, radio, number)) if is_over => Err(AgentError::Silence {
                 limit_s: self.patience.as_secs(),
                 step: turn.step,
@@ -53,11 +53,11 @@ impl Shell {
         // Those who are gone may have left something unsaid.
         let lost = &self.lost;
         turn.said.retain(|said| !lost.contains(&said.agent));
-        if self.ether.lacks(&turn.said, self.id).is_some() {
+        if self.queue.lacks(&turn.said, self.id).is_some() {
             self.turn = Some(turn);
             return;
         }
-        for said in self.ether.hear(&turn.said, self.id) {
+        for said in self.queue.hear(&turn.said, self.id) {
             self.seat.hear(&said);
         }
         if self.seat.next_due().is_some_and(|due| due <= turn.now) {

@@ -22,10 +22,10 @@ use crate::fleet::remote::account::{Asked, StepTold};
 use crate::plug::Mission;
 use crate::process::arguments::AgentArguments;
 use crate::process::desk::{Desk, Inbox, News};
-use crate::process::ether::Ether;
 use crate::process::join::{join, links};
 use crate::process::leash;
 use crate::process::mirror::Mirror;
+use crate::process::queue::MessageQueue;
 use crate::scenario::Scenario;
 use crate::seat::Seat;
 use crate::set_membership::SetMembership;
@@ -89,7 +89,7 @@ struct Shell {
     seat: Seat<SetMembership>,
     desk: Desk,
     mirror: Mirror,
-    ether: Ether,
+    queue: MessageQueue,
     /// Whom it hears.
     heard: BTreeMap<AgentId, u64>,
     /// Whose processes are gone.
@@ -151,7 +151,7 @@ impl Shell {
             mission,
             desk,
             mirror,
-            ether: Ether::default(),
+            queue: MessageQueue::default(),
             heard: BTreeMap::new(),
             lost: BTreeSet::new(),
             next: vec![0; channels],
@@ -243,7 +243,7 @@ impl Shell {
         self.told.clear();
         // In real time what was said before may still be on its way.
         if is_first || self.pace == Pace::Lockstep {
-            self.ether.skip(&header.said, time);
+            self.queue.skip(&header.said, time);
         }
         let is_another = incarnation.is_some_and(|life| life != self.seat.incarnation());
         if is_another {
@@ -284,14 +284,14 @@ impl Shell {
     fn hear(&mut self, src: AgentId, physical: Option<PhysicalHeader>, bytes: Vec<u8>) {
         // In real time one that was starved is behind all others.
         let newest = self.desk.newest_frame().filter(|_| self.pace == Pace::Lockstep);
-        if let Err(error) = self.ether.take(src, physical, bytes, newest) {
+        if let Err(error) = self.queue.take(src, physical, bytes, newest) {
             self.desk.refusals().count("message", &error);
             return;
         }
         match self.pace {
             Pace::Lockstep => self.try_turn(),
             Pace::Realtime(_) if self.clock.is_some() => {
-                let heard = self.ether.hear_all();
+                let heard = self.queue.hear_all();
                 heard.iter().for_each(|said| self.seat.hear(said));
             }
             Pace::Realtime(_) => {}

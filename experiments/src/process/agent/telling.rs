@@ -11,8 +11,8 @@ use super::Shell;
 use crate::fleet::Passage;
 use crate::fleet::remote::account::{Account, Asked, Head};
 use crate::process::desk::text;
-use crate::process::ether;
 use crate::process::mirror::Picture;
+use crate::process::queue;
 
 impl Shell {
     /// Answers those who want to know what the agent knows, or lets them wait while it has a frame
@@ -41,7 +41,7 @@ impl Shell {
         bytes: Vec<u8>,
     ) {
         tracing::debug!(own = %self.id, %agent, bytes = bytes.len(), "answers");
-        match ether::read(agent, physical, bytes) {
+        match queue::read(agent, physical, bytes) {
             Ok((said, _)) if said.sequence >= FIRST_ANSWER => self.seat.hear(&said),
             Ok(_) => self.desk.refusals().count("message", &"an answer numbered as a message"),
             Err(error) => self.desk.refusals().count("message", &error),

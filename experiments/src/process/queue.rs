@@ -30,7 +30,7 @@ type Stream = (AgentId, Incarnation, ChannelId);
 
 /// Messages that wait to be heard.
 #[derive(Debug, Default)]
-pub struct Ether {
+pub struct MessageQueue {
     waiting: BTreeMap<(Stream, u64), Said>,
     waiting_bytes: usize,
     heard: BTreeMap<Stream, Heard>,
@@ -71,7 +71,7 @@ impl Heard {
 
 /// Why a message was not kept.
 #[derive(Debug, thiserror::Error)]
-pub enum EtherError {
+pub enum QueueError {
     /// It is no message.
     #[error(transparent)]
     Envelope(#[from] EnvelopeError),
@@ -131,7 +131,7 @@ pub enum EtherError {
     },
 }
 
-impl Ether {
+impl MessageQueue {
     /// Takes a message that came under the key of `key` with a physical header; the first one with its number counts. `newest` is
     /// the step of this process's newest frame, `None` where others may be far ahead of it.
     ///
@@ -143,15 +143,15 @@ impl Ether {
         physical: Option<PhysicalHeader>,
         bytes: Vec<u8>,
         newest: Option<Step>,
-    ) -> Result<(), EtherError> {
+    ) -> Result<(), QueueError> {
         let (said, step) = read(key, physical, bytes)?;
         let (from, number) = (said.src, said.sequence);
         let max = number_limit(step);
         if number >= max {
-            return Err(EtherError::Number { from, number, step, max });
+            return Err(QueueError::Number { from, number, step, max });
         }
         if let Some(newest) = newest.filter(|newest| step.0 > newest.0.saturating_add(MAX_AHEAD)) {
-            return Err(EtherError::Ahead { from, step, newest });
+            return Err(QueueError::Ahead { from, step, newest });
         }
         let stream = (from, said.incarnation, said.channel);
         let heard = self.heard.get(&stream);
@@ -160,12 +160,12 @@ impl Ether {
         }
         let is_known = heard.is_some_and(|heard| heard.contains(number));
         if is_known || self.waiting.contains_key(&(stream, number)) {
-            return Err(EtherError::Twice { from, number });
+            return Err(QueueError::Twice { from, number });
         }
         let (messages, bytes) = (self.waiting.len(), self.waiting_bytes);
         let is_crowded = heard.is_none() && self.heard.len() >= MAX_STREAMS;
         if is_crowded || messages >= MAX_WAITING || bytes + said.bytes.len() > MAX_WAITING_BYTES {
-            return Err(EtherError::Full { messages, bytes, streams: self.heard.len() });
+            return Err(QueueError::Full { messages, bytes, streams: self.heard.len() });
         }
         self.waiting_bytes += said.bytes.len();
         self.waiting.insert((stream, number), said);
@@ -227,13 +227,13 @@ pub fn read(
     key: AgentId,
     physical: Option<PhysicalHeader>,
     bytes: Vec<u8>,
-) -> Result<(Said, Step), EtherError> {
+) -> Result<(Said, Step), QueueError> {
     let envelope = Envelope::decode(&bytes)?;
     let Envelope { src, incarnation, channel, sequence, step, time, .. } = envelope;
     if src != key {
-        return Err(EtherError::Forged { got: src, key });
+        return Err(QueueError::Forged { got: src, key });
     }
-    let PhysicalHeader { p_world } = physical.ok_or(EtherError::Physical { from: src })?;
+    let PhysicalHeader { p_world } = physical.ok_or(QueueError::Physical { from: src })?;
     let bytes = Arc::from(bytes);
     Ok((Said { src, incarnation, channel, sequence, time, p_world, bytes }, step))
 }
@@ -258,11 +258,11 @@ mod tests {
     /// What an agent believes, or claims, changes nothing for the links.
     #[test]
     fn the_place_of_a_sender_is_the_one_of_the_physical_header() {
-        let mut ether = Ether::default();
+        let mut queue = MessageQueue::default();
         let far = Envelope { pose: Pose::level([9e5, 0.0, 3.0], 0.0), ..envelope(1, 0, 0) };
-        take(&mut ether, 1, far.encode()).unwrap();
-        assert_eq!(ether.hear_all()[0].p_world, HERE.p_world);
-        let error = ether.take(AgentId(1), None, message(1, 0, 1), None).unwrap_err();
+        take(&mut queue, 1, far.encode()).unwrap();
+        assert_eq!(queue.hear_all()[0].p_world, HERE.p_world);
+        let error = queue.take(AgentId(1), None, message(1, 0, 1), None).unwrap_err();
         assert_eq!(error.to_string(), "a message of agent 1 without a physical header");
     }
 
@@ -288,8 +288,8 @@ mod tests {
         SaidSoFar { agent: AgentId(agent), incarnation: Incarnation(0), next: next.to_vec() }
     }
 
-    fn take(ether: &mut Ether, src: u16, bytes: Vec<u8>) -> Result<(), EtherError> {
-        ether.take(AgentId(src), Some(HERE), bytes, Some(Step(0)))
+    fn take(queue: &mut MessageQueue, src: u16, bytes: Vec<u8>) -> Result<(), QueueError> {
+        queue.take(AgentId(src), Some(HERE), bytes, Some(Step(0)))
     }
 
     fn numbers(heard: &[Said]) -> Vec<u64> {
@@ -298,121 +298,121 @@ mod tests {
 
     #[test]
     fn what_was_announced_is_heard_once_and_in_order() {
-        let mut ether = Ether::default();
+        let mut queue = MessageQueue::default();
         let announced = [said(0, &[9]), said(1, &[2, 1]), said(2, &[1])];
         for (src, channel, sequence) in [(2, 0, 0), (1, 1, 0), (1, 0, 1), (1, 0, 2)] {
-            take(&mut ether, src, message(src, channel, sequence)).unwrap();
+            take(&mut queue, src, message(src, channel, sequence)).unwrap();
         }
         let own = AgentId(0);
-        assert_eq!(ether.lacks(&announced, own), Some((AgentId(1), ChannelId(0), 0)));
-        take(&mut ether, 1, message(1, 0, 0)).unwrap();
-        assert_eq!(ether.lacks(&announced, own), None);
-        let heard = ether.hear(&announced, own);
+        assert_eq!(queue.lacks(&announced, own), Some((AgentId(1), ChannelId(0), 0)));
+        take(&mut queue, 1, message(1, 0, 0)).unwrap();
+        assert_eq!(queue.lacks(&announced, own), None);
+        let heard = queue.hear(&announced, own);
         let order: Vec<_> = heard.iter().map(|s| (s.src.0, s.channel.0, s.sequence)).collect();
         assert_eq!(order, [(1, 0, 0), (1, 0, 1), (1, 1, 0), (2, 0, 0)]);
         // Again changes nothing; what was not announced waits.
-        take(&mut ether, 1, message(1, 0, 0)).unwrap();
-        assert!(ether.hear(&announced, own).is_empty());
-        assert_eq!(numbers(&ether.hear_all()), [2]);
+        take(&mut queue, 1, message(1, 0, 0)).unwrap();
+        assert!(queue.hear(&announced, own).is_empty());
+        assert_eq!(numbers(&queue.hear_all()), [2]);
     }
 
     #[test]
     fn who_joins_late_waits_for_nothing_that_was() {
-        let mut ether = Ether::default();
-        take(&mut ether, 1, message(1, 0, 3)).unwrap();
-        ether.skip(&[said(1, &[4])], SimTime(0));
-        assert!(ether.hear_all().is_empty());
-        assert_eq!(ether.lacks(&[said(1, &[4])], AgentId(0)), None);
-        assert!(ether.lacks(&[said(1, &[5])], AgentId(0)).is_some());
+        let mut queue = MessageQueue::default();
+        take(&mut queue, 1, message(1, 0, 3)).unwrap();
+        queue.skip(&[said(1, &[4])], SimTime(0));
+        assert!(queue.hear_all().is_empty());
+        assert_eq!(queue.lacks(&[said(1, &[4])], AgentId(0)), None);
+        assert!(queue.lacks(&[said(1, &[5])], AgentId(0)).is_some());
     }
 
     /// Who says what was not announced, in another's name or life, fills no memory for good.
     #[test]
     fn what_was_not_announced_is_forgotten_when_the_next_step_begins() {
-        let mut ether = Ether::default();
+        let mut queue = MessageQueue::default();
         let life = Incarnation(7);
         let forged = Envelope { incarnation: life, ..envelope(1, 0, 5) }.encode();
-        take(&mut ether, 1, forged).unwrap();
+        take(&mut queue, 1, forged).unwrap();
         let next = SimTime(500_000);
         // One that has its frame already speaks before this process has its own.
         let early = Envelope { step: Step(1), time: next, ..envelope(1, 0, 4) }.encode();
-        take(&mut ether, 1, early).unwrap();
-        ether.skip(&[said(1, &[4])], next);
-        assert_eq!((ether.waiting.len(), ether.waiting_bytes > 0), (1, true));
-        assert_eq!(numbers(&ether.hear(&[said(1, &[5])], AgentId(0))), [4]);
-        assert_eq!(ether.waiting_bytes, 0);
+        take(&mut queue, 1, early).unwrap();
+        queue.skip(&[said(1, &[4])], next);
+        assert_eq!((queue.waiting.len(), queue.waiting_bytes > 0), (1, true));
+        assert_eq!(numbers(&queue.hear(&[said(1, &[5])], AgentId(0))), [4]);
+        assert_eq!(queue.waiting_bytes, 0);
     }
 
     #[test]
     fn what_no_agent_can_have_said_is_refused() {
-        let mut ether = Ether::default();
-        let error = take(&mut ether, 1, vec![1, 2]).unwrap_err();
-        assert!(matches!(error, EtherError::Envelope(_)), "{error}");
-        let error = take(&mut ether, 2, message(1, 0, 0)).unwrap_err();
+        let mut queue = MessageQueue::default();
+        let error = take(&mut queue, 1, vec![1, 2]).unwrap_err();
+        assert!(matches!(error, QueueError::Envelope(_)), "{error}");
+        let error = take(&mut queue, 2, message(1, 0, 0)).unwrap_err();
         assert_eq!(error.to_string(), "a message of agent 1 under the key of agent 2");
         for number in [u64::MAX, u64::MAX - 1, number_limit(Step(0))] {
-            let error = take(&mut ether, 1, message(1, 0, number)).unwrap_err();
-            assert!(matches!(error, EtherError::Number { .. }), "{error}");
+            let error = take(&mut queue, 1, message(1, 0, number)).unwrap_err();
+            assert!(matches!(error, QueueError::Number { .. }), "{error}");
         }
         let forged = Envelope { step: Step(u32::MAX), ..envelope(1, 0, 1 << 40) }.encode();
-        let error = take(&mut ether, 1, forged).unwrap_err();
+        let error = take(&mut queue, 1, forged).unwrap_err();
         assert_eq!(
             error.to_string(),
             "a message of agent 1 of step 4294967295, but the newest frame is of step 0"
         );
-        assert!(ether.hear_all().is_empty());
+        assert!(queue.hear_all().is_empty());
     }
 
     #[test]
     fn the_first_message_with_a_number_counts() {
-        let mut ether = Ether::default();
+        let mut queue = MessageQueue::default();
         let forged = Envelope { body: b"forged".to_vec(), ..envelope(1, 0, 0) }.encode();
-        take(&mut ether, 1, message(1, 0, 0)).unwrap();
-        let error = take(&mut ether, 1, forged.clone()).unwrap_err();
+        take(&mut queue, 1, message(1, 0, 0)).unwrap();
+        let error = take(&mut queue, 1, forged.clone()).unwrap_err();
         assert_eq!(error.to_string(), "a second message 0 of agent 1");
-        let heard = ether.hear_all();
+        let heard = queue.hear_all();
         assert_eq!(*heard[0].bytes, *message(1, 0, 0));
-        assert!(take(&mut ether, 1, forged).is_ok(), "it is older than what was heard: no news");
-        assert!(ether.hear_all().is_empty());
+        assert!(take(&mut queue, 1, forged).is_ok(), "it is older than what was heard: no news");
+        assert!(queue.hear_all().is_empty());
     }
 
     /// Number 4000 is one that the sender might have reached.
     #[test]
     fn a_number_that_is_far_off_mutes_no_sender() {
-        let mut ether = Ether::default();
+        let mut queue = MessageQueue::default();
         for number in [0, 4000, 2, 1, 3] {
-            take(&mut ether, 1, message(1, 0, number)).unwrap();
-            assert_eq!(numbers(&ether.hear_all()), [number]);
+            take(&mut queue, 1, message(1, 0, number)).unwrap();
+            assert_eq!(numbers(&queue.hear_all()), [number]);
         }
-        let error = take(&mut ether, 1, message(1, 0, 4000)).unwrap_err();
-        assert!(matches!(error, EtherError::Twice { .. }), "{error}");
+        let error = take(&mut queue, 1, message(1, 0, 4000)).unwrap_err();
+        assert!(matches!(error, QueueError::Twice { .. }), "{error}");
     }
 
     #[test]
     fn bytes_that_wait_are_bounded() {
-        let mut ether = Ether::default();
+        let mut queue = MessageQueue::default();
         let long = |sequence| Envelope { body: vec![0; 1 << 20], ..envelope(1, 0, sequence) };
-        let taken = (0..300).map(|n| take(&mut ether, 1, long(n).encode()));
+        let taken = (0..300).map(|n| take(&mut queue, 1, long(n).encode()));
         let refused = taken.filter(Result::is_err).count();
         assert!((44..48).contains(&refused), "{refused} of 300 MiB do not fit into 256 MiB");
-        assert!(ether.waiting_bytes <= MAX_WAITING_BYTES);
-        assert_eq!(ether.hear_all().len() + refused, 300);
-        take(&mut ether, 1, long(300).encode()).unwrap();
+        assert!(queue.waiting_bytes <= MAX_WAITING_BYTES);
+        assert_eq!(queue.hear_all().len() + refused, 300);
+        take(&mut queue, 1, long(300).encode()).unwrap();
     }
 
     proptest! {
         /// In real time each message is heard once, whatever their order, and the memory is bounded.
         #[test]
         fn each_number_is_heard_once(order in prop::collection::vec(0_u64..2000, 0..600)) {
-            let mut ether = Ether::default();
+            let mut queue = MessageQueue::default();
             let mut seen = BTreeSet::new();
             for number in order {
-                let taken = take(&mut ether, 1, message(1, 0, number));
-                let heard = numbers(&ether.hear_all());
+                let taken = take(&mut queue, 1, message(1, 0, number));
+                let heard = numbers(&queue.hear_all());
                 let is_new = seen.insert(number);
                 prop_assert_eq!(heard.len(), usize::from(is_new));
                 prop_assert!(taken.is_ok() || !is_new);
-                let state = &ether.heard[&(AgentId(1), Incarnation(0), ChannelId(0))];
+                let state = &queue.heard[&(AgentId(1), Incarnation(0), ChannelId(0))];
                 prop_assert!(state.others.len() <= WINDOW);
             }
         }

@@ -1,0 +1,26 @@
+//! What messages and knowledge are recognised by.
+
+use xxhash_rust::xxh3::{Xxh3Default, xxh3_128};
+
+/// A hash that stands for what it was made of: 128 bits, so that collisions are negligible.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct Identity(u128);
+
+impl Identity {
+    /// Of a message as it was sent.
+    pub fn of(bytes: &[u8]) -> Self {
+        Self(xxh3_128(bytes))
+    }
+
+    /// Of several things in their order.
+    pub fn of_all(parts: impl IntoIterator<Item = u128>) -> Self {
+        let mut hasher = Xxh3Default::new();
+        parts.into_iter().for_each(|part| hasher.update(&part.to_le_bytes()));
+        Self(hasher.digest128())
+    }
+
+    /// The hash.
+    pub fn bits(self) -> u128 {
+        self.0
+    }
+}
