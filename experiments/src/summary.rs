@@ -264,9 +264,46 @@ pub(crate) mod tests {
         }
     }
 
+    /// docs/outputs.md; whoever reads summaries relies on these names.
     #[test]
-    fn means_and_counts_are_where_readers_look_for_them() {
+    fn every_promised_key_is_there() {
         let json: serde_json::Value = serde_json::from_str(&sample().to_json()).unwrap();
+        for key in [
+            "scenario",
+            "seed",
+            "agents",
+            "targets",
+            "thesis_setting",
+            "steps",
+            "violations",
+            "checks",
+            "unchecked",
+            "checked",
+            "inconsistencies",
+            "identified",
+            "all_identified_s",
+            "unexplored_pct",
+            "hidden_pct",
+            "explored_pct",
+            "footprint_pct",
+            "ground_seen_pct",
+            "localization_error_m",
+            "target_radius_m",
+            "oem_iou_pct",
+            "final",
+            "frames",
+            "refused",
+            "messages",
+            "bytes_sent",
+            "timing_ms",
+            "wall_s",
+            "sim_s",
+            "realtime_factor",
+            "digest",
+            "interrupted",
+        ] {
+            assert!(json.get(key).is_some(), "{key}");
+        }
         assert_eq!(json["unexplored_pct"], 21.5);
         assert_eq!(json["final"]["unexplored_pct"], 20.0);
         assert_eq!(json["localization_error_m"], serde_json::Value::Null);

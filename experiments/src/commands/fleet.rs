@@ -17,7 +17,7 @@ use csat_experiments::process::world::{self, WorldError};
 use csat_experiments::run_folder::RunFolder;
 use csat_experiments::tell;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED};
-use csat_experiments::wire::session::{self, Role, WireArguments};
+use csat_experiments::wire::session::{self, Role};
 
 /// `csat spawn`.
 pub fn spawn(arguments: &SpawnArguments) -> anyhow::Result<u8> {
@@ -52,11 +52,11 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
         leash::when_let_go(move || interrupted.store(true, Ordering::SeqCst));
     }
     let options = RunOptions { interrupted };
-    let listen: Vec<String> = wire.listen.iter().map(|e| session::with_a_port(e)).collect();
-    if listen != wire.listen {
-        tell!("listens on {}", listen.join(", "));
+    let asked = wire;
+    let wire = asked.with_ports();
+    if wire.listen != asked.listen {
+        tell!("listens on {}", wire.listen.join(", "));
     }
-    let wire = WireArguments { listen, ..wire.clone() };
     let session = match session::open(&wire, Role::World) {
         Ok(session) => session,
         Err(error) => {

@@ -10,7 +10,7 @@ use csat_experiments::show::replay::play;
 use csat_experiments::show::truth;
 use csat_experiments::tell;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED};
-use csat_experiments::wire::session::{self, Role, WireArguments};
+use csat_experiments::wire::session::{self, Role};
 use csat_proto::keys::Keys;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use zenoh::bytes::Encoding;
@@ -31,8 +31,7 @@ pub fn replay(arguments: &ReplayArguments) -> anyhow::Result<u8> {
     }
     let interrupted = super::interrupted_by_the_user()?;
     // It stands in for the world: others connect to it.
-    let listen = arguments.wire.listen.iter().map(|endpoint| session::with_a_port(endpoint));
-    let wire = WireArguments { listen: listen.collect(), ..arguments.wire.clone() };
+    let wire = arguments.wire.with_ports();
     let session = match session::open(&wire, Role::World) {
         Ok(session) => session,
         Err(error) => {

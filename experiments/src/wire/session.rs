@@ -167,6 +167,14 @@ pub fn listened(arguments: &WireArguments, role: Role) -> Vec<String> {
     list.and_then(|list| serde_json::from_str(&list).ok()).unwrap_or_default()
 }
 
+impl WireArguments {
+    /// The same, with ports that can be told to others: see [`with_a_port`].
+    pub fn with_ports(&self) -> Self {
+        let listen = self.listen.iter().map(|endpoint| with_a_port(endpoint)).collect();
+        Self { listen, ..self.clone() }
+    }
+}
+
 /// An endpoint on any free port with a port that is free now, so that it can be told to others; any
 /// other endpoint as it is.
 pub fn with_a_port(endpoint: &str) -> String {
