@@ -2,11 +2,11 @@
 //! how far apart the fleet flies.
 
 use csat_experiments::mission::{self, Audience, Moment, RunOptions};
-use csat_experiments::plug::Detail;
 use csat_experiments::record::{RecordError, RecordOptions, Recorder};
 use csat_experiments::run_folder::Destination;
 use csat_experiments::scenario::{self, Request};
 use csat_experiments::set_membership::SetMembership;
+use csat_mission::mission::Detail;
 use csat_proto::time::Step;
 
 /// The greatest distance between two UAVs, metres, by step.

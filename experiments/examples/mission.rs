@@ -3,12 +3,12 @@
 
 use std::collections::BTreeSet;
 
-use csat_experiments::engine::Engine;
-use csat_experiments::metrics::StepRecord;
-use csat_experiments::plug::{Detail, Mission, Tally, Watched};
 use csat_experiments::scenario::{self, Request};
-use csat_experiments::show::documents::{AgentStep, Document};
-use csat_experiments::view;
+use csat_mission::documents::{AgentStep, Document};
+use csat_mission::engine::Engine;
+use csat_mission::mission::{Detail, Mission, Tally, Watched};
+use csat_mission::picture;
+use csat_mission::row::StepRecord;
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::command::YawCommand;
@@ -115,11 +115,11 @@ impl Mission for Census {
         }
     }
 
-    fn view(&self, _: &Count) -> view::Knowledge {
-        view::Knowledge::default()
+    fn view(&self, _: &Count) -> picture::Knowledge {
+        picture::Knowledge::default()
     }
 
-    fn documents(&self, _: &AgentStep<'_, Count>, _: &view::Knowledge) -> Vec<Document> {
+    fn documents(&self, _: &AgentStep<'_, Count>, _: &picture::Knowledge) -> Vec<Document> {
         Vec::new()
     }
 

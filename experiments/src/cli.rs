@@ -10,13 +10,14 @@ use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use clap_complete::Shell;
 
 use crate::plot::Whose;
-use crate::process::arguments::{AgentArguments, WorldArguments, speed};
 use crate::process::spawn::SpawnArguments;
+use crate::process::world::WorldArguments;
 use crate::scenario::shipped;
 use crate::tools::doctor::DoctorArguments;
 use crate::tools::echo::EchoArguments;
 use crate::watch::arguments::WatchArguments;
-use crate::wire::session::WireArguments;
+use csat_peer::arguments::{AgentArguments, speed};
+use csat_peer::wire::session::WireArguments;
 
 /// Cooperative search and tracking: a fleet of UAVs finds and follows the cars of an unknown town
 /// with guaranteed sets.

@@ -3,11 +3,16 @@ use std::convert::Infallible;
 
 use csat_world::truth::Promise;
 
-use super::*;
-use crate::fleet::Frames;
 use crate::set_membership::SetMembership;
 use crate::set_membership::report::Report;
 use crate::testing::small_mission;
+use csat_mission::engine::{Engine, MAX_TRUTHS};
+use csat_mission::fleet::Frames;
+use csat_mission::fleet::{Brief, Fleet, Flown};
+use csat_mission::local::LocalFleet;
+use csat_mission::mission::Detail;
+use csat_netem::counters::{Counters, LinkCounters};
+use csat_netem::link::LinkId;
 
 /// A fleet whose reports come some steps late, as those of a slow process do in real time.
 struct Late {

@@ -4,11 +4,8 @@
 //! |---|---|
 //! | [`scenario`] | reads scenarios and reports every mistake at once |
 //! | [`cli`] | the command line |
-//! | [`plug`] | what a mission is |
 //! | [`set_membership`] | the set-membership mission |
-//! | [`engine`] | a mission step by step: the world, its fleet and the monitor |
-//! | [`fleet`] | where the agents are: in this process, or each in one of its own |
-//! | [`seat`] | one agent and what surrounds it |
+//! | [`node`] | one agent and what surrounds it |
 //! | [`mission`] | flies, measures and records a mission |
 //! | [`passages`] | what the links did, written down |
 //! | [`metrics`] | one agent at one step: thesis (5.36)-(5.45) |
@@ -32,25 +29,19 @@
 //! | [`watch`] | a live map in the browser |
 //! | [`process`] | a fleet of processes: world, agents, and what spawns them |
 //! | [`tools`] | looking at a fleet from a terminal: `csat echo`, `csat doctor` |
-//! | [`wire`] | Zenoh: how a process reaches the others |
-//! | [`terminal`] | writing to readers that may be gone |
 //! | [`verdict`] | exit codes |
-//! | [`words`] | words for people |
-//! | [`timing`], [`stages`] | the only clock |
+//! | [`timing`] | what stages took |
 
 #![warn(clippy::print_stdout, clippy::print_stderr)] // They panic: see `terminal`.
 
 pub mod cli;
 pub mod compare;
-pub mod engine;
-pub mod fleet;
 pub mod logs;
 pub mod metrics;
 pub mod mission;
 pub mod outputs;
 pub mod passages;
 pub mod plot;
-pub mod plug;
 pub mod process;
 pub mod progress;
 pub mod provenance;
@@ -61,15 +52,12 @@ pub mod reproduce;
 pub mod rounding;
 pub mod run_folder;
 pub mod scenario;
-pub mod seat;
 pub mod series;
 pub mod set_membership;
 pub mod show;
-pub mod stages;
 pub mod station;
 pub mod summary;
 pub mod sweep;
-pub mod terminal;
 #[cfg(test)]
 mod testing;
 pub mod timing;
@@ -77,5 +65,8 @@ pub mod tools;
 pub mod verdict;
 pub mod view;
 pub mod watch;
-pub mod wire;
-pub mod words;
+
+#[cfg(test)]
+mod documents_tests;
+#[cfg(test)]
+mod engine_tests;

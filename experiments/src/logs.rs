@@ -13,8 +13,8 @@ use tracing_subscriber::layer::{Context, Filter, Layer, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
 
 use crate::progress::Progress;
-use crate::stages::StageLayer;
-use crate::wire::session::is_closing;
+use csat_mission::stages::StageLayer;
+use csat_peer::wire::session::is_closing;
 
 /// What stderr gets by default. Zenoh's orchestrator warns of endpoints that cannot be had, with places in
 /// its source; whoever opens a session says the same in csat's words.

@@ -9,8 +9,8 @@ use std::process::ExitCode;
 use clap::Parser;
 use csat_experiments::cli::{Cli, Command, advice};
 use csat_experiments::logs::Logs;
-use csat_experiments::tell;
 use csat_experiments::verdict::FAILED;
+use csat_peer::tell;
 
 fn main() -> ExitCode {
     let cli = Cli::try_parse().unwrap_or_else(|error| {

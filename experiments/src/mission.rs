@@ -14,16 +14,21 @@ use csat_world::world::World;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::engine::{Engine, StepTrace};
-use crate::fleet::{Fleet, Flown};
-use crate::metrics::{Coverage, Role, StepRecord, targets_in_fov};
+use crate::metrics::targets_in_fov;
+use crate::metrics::{Coverage, set_coverage};
 use crate::passages::{LinkRow, passage_lines};
-use crate::plug::{Detail, Mission, Tally};
 use crate::record::{Outcome, RecordError, Recorder};
 use crate::scenario::{Loaded, Scenario};
 use crate::set_membership::SetMembership;
 use crate::summary::Messages;
-use crate::view::{Building, UavTrack, View};
+use crate::view::Building;
+use crate::view::UavTrack;
+use crate::view::View;
+use csat_mission::engine::{Engine, StepTrace};
+use csat_mission::fleet::{Fleet, Flown};
+use csat_mission::mission::{Detail, Mission, Tally};
+use csat_mission::row::Role;
+use csat_mission::row::StepRecord;
 
 /// Side of the cells that coverage is counted in, metres.
 const COVERAGE_CELL_M: f64 = 1.0;
@@ -336,7 +341,7 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
         fleet.identified_union = identified.len() as u16;
         fleet.targets_detected = detected.len() as u16;
         fleet.targets_in_fov = targets_in_fov(&footprints, truth);
-        fleet.set_coverage(self.coverage.finish_step());
+        set_coverage(&mut fleet, self.coverage.finish_step());
         fleet
     }
 

@@ -7,7 +7,7 @@ use csat_netem::link::LinkId;
 use csat_proto::ids::{AgentId, ChannelId};
 use serde::Serialize;
 
-use crate::engine::Passage;
+use csat_mission::engine::Passage;
 
 /// What became of a message for those receivers for whom the same became of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::series::Point;
-use crate::timing::Stopwatch;
+use csat_mission::timing::Stopwatch;
 
 /// A bar on stderr; invisible when stderr is no terminal.
 #[derive(Debug, Clone)]

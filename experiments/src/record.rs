@@ -7,8 +7,6 @@ use csat_proto::model::Station;
 use csat_world::truth::CheckCounts;
 use serde::Serialize;
 
-use crate::fleet::Frames;
-use crate::metrics::{Role, StepRecord};
 use crate::outputs::link_columns;
 use crate::passages::LinkRow;
 use crate::plot;
@@ -19,8 +17,12 @@ use crate::scenario::{Loaded, MAP_FILE, TRACKS_FILE};
 use crate::series::{Curves, Series};
 use crate::station::{StationMeans, StationSummary};
 use crate::summary::{Messages, Summary};
-use crate::timing::{Stopwatch, Timing};
+use crate::timing::Timing;
 use crate::view::View;
+use csat_mission::fleet::Frames;
+use csat_mission::row::Role;
+use csat_mission::row::StepRecord;
+use csat_mission::timing::Stopwatch;
 
 /// Why a run could not be written down.
 #[derive(Debug, thiserror::Error)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::*;
 use crate::scenario::{self, Request};
 use crate::testing::scratch;
-use crate::timing::StageTimes;
+use csat_mission::timing::StageTimes;
 
 fn start(folder: PathBuf) -> Recorder {
     let loaded = scenario::load(Request { seed: Some(5), ..Request::default() }).unwrap();

@@ -15,7 +15,8 @@ use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::core::solver::{Precision, Solver, Strategy};
 
-use crate::view::{Ring, Shapes};
+use csat_mission::picture::Ring;
+use csat_mission::picture::Shapes;
 
 /// Lengths are shown to the millimetre.
 pub const PER_METRE: f64 = 1e3;

@@ -2,9 +2,9 @@ use csat_proto::region::grid_point;
 use geo::{Contains, Coord, LineString, MultiPolygon, Point, Polygon, Validation};
 
 use super::*;
-use crate::engine::Engine;
 use crate::scenario::{Request, load};
 use crate::set_membership::SetMembership;
+use csat_mission::engine::Engine;
 
 const GROUND: Ground = Ground { size_m: [100.0, 100.0] };
 
@@ -74,7 +74,7 @@ fn what_rounding_breaks_is_mended() {
         .map(|s| s.iter().map(|r| r.iter().map(|p| metres(*p)).collect()).collect())
         .map(|s: Vec<Ring>| {
             s.iter()
-                .map(|r| r.iter().map(|p| p.map(crate::view::to_millimetre)).collect())
+                .map(|r| r.iter().map(|p| p.map(csat_mission::picture::to_millimetre)).collect())
                 .collect()
         })
         .collect();

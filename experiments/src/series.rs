@@ -5,7 +5,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::{Role, StepRecord};
+use csat_mission::row::Role;
+use csat_mission::row::StepRecord;
 
 /// The metrics that the summary and the plots speak of. Per cent are of the ground area.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use csat_world::truth::CheckCounts;
 use serde::{Deserialize, Serialize};
 
-use crate::fleet::Frames;
 use crate::series::Means;
 use crate::station::StationSummary;
 use crate::timing::TimingSummary;
-use crate::words::named;
+use csat_mission::fleet::Frames;
+use csat_mission::words::named;
 
 /// A mission in numbers. Outside checks rely on these keys.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -512,7 +512,7 @@ fn flood(endpoint: &str) {
             session.put(format!("csat/5/{name}"), junk).wait().unwrap();
         }
     }
-    csat_experiments::wire::session::close(session);
+    csat_peer::wire::session::close(session);
 }
 
 /// Says what others say, in their names and with all that can be heard of them, at the wrong time.
@@ -580,7 +580,7 @@ fn forge(endpoint: &str) {
         }
     }
     drop((orders, answers));
-    csat_experiments::wire::session::close(session);
+    csat_peer::wire::session::close(session);
 }
 
 #[test]

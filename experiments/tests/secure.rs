@@ -226,7 +226,7 @@ mod fleet {
                 session
             });
             forge(&session, own);
-            csat_experiments::wire::session::close(session);
+            csat_peer::wire::session::close(session);
         }
         // Who looks on with the same configuration sees what there is to see.
         let look = ["echo", "view/0/pose", "--once", "--patience", "30", "--connect", &endpoint];

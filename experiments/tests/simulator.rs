@@ -13,7 +13,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
 use common::{command, csat, read, scratch, text};
-use csat_experiments::timing::Stopwatch;
+use csat_mission::timing::Stopwatch;
 
 /// Long enough for some seconds of flight on a machine that has other things to do.
 const LIMIT: Duration = Duration::from_secs(120);

@@ -5,10 +5,10 @@
 //! simulated seconds, times real time by the clock and on two cores that are always busy, the most vertices
 //! of a set, how often anything was violated, and what `csat check` warns of.
 
-use csat_experiments::engine::Engine;
 use csat_experiments::scenario::Loaded;
 use csat_experiments::set_membership::SetMembership;
-use csat_experiments::timing::Stopwatch;
+use csat_mission::engine::Engine;
+use csat_mission::timing::Stopwatch;
 use csat_tests::drawn;
 use csat_tests::drawn::largest_set;
 
@@ -28,7 +28,7 @@ fn fly(name: &str, loaded: Loaded) {
     let (mut largest, mut violations) = (0, 0);
     for _ in 0..=scenario.steps() {
         violations += engine.step().violations.len();
-        let most = engine.seats().iter().map(|seat| largest_set(seat.agent.knowledge())).max();
+        let most = engine.nodes().iter().map(|node| largest_set(node.agent.knowledge())).max();
         largest = largest.max(most.unwrap_or(0));
     }
     let (wall_s, cpu_s) = (watch.elapsed_s(), cpu_s() - cpu_before_s);

@@ -2,9 +2,9 @@
 //! the truth watches.
 
 use csat_agent::agent::Event;
-use csat_experiments::plug::Mission;
 use csat_experiments::scenario::Scenario;
 use csat_experiments::set_membership::SetMembership;
+use csat_mission::mission::Mission;
 use csat_proto::command::YawCommand;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation};

@@ -2,11 +2,11 @@
 
 use csat_agent::agent::Event;
 use csat_agent::config::ExchangeMode;
-use csat_experiments::engine::Engine;
 use csat_experiments::metrics::percent_of;
-use csat_experiments::plug::Mission;
 use csat_experiments::scenario::Scenario;
 use csat_experiments::set_membership::SetMembership;
+use csat_mission::engine::Engine;
+use csat_mission::mission::Mission;
 use csat_world::world::{World, WorldErrors};
 
 /// A generated town of `side_m`, a small coarse camera, low UAVs.
@@ -97,10 +97,10 @@ pub fn fly_in(mission: SetMembership, world: World, scenario: &Scenario, steps: 
             trace.events.iter().filter(|(_, event)| mission.is_inconsistency(event)).count() as u64;
         let is_lost = |event: &Event| matches!(event, Event::NoWayOut { .. });
         no_way_out += trace.events.iter().filter(|(_, event)| is_lost(event)).count() as u64;
-        let seats = engine.seats();
+        let nodes = engine.nodes();
         let share = |region| percent_of(&scenario.ground(), region);
-        let all = seats.iter().map(|s| share(s.agent.knowledge().unexplored.region().area_m2()));
-        unexplored_pct = all.sum::<f64>() / seats.len() as f64;
+        let all = nodes.iter().map(|s| share(s.agent.knowledge().unexplored.region().area_m2()));
+        unexplored_pct = all.sum::<f64>() / nodes.len() as f64;
         sum += unexplored_pct;
     }
     assert!(engine.counters().conserved(), "{:?}", engine.counters());
@@ -110,7 +110,7 @@ pub fn fly_in(mission: SetMembership, world: World, scenario: &Scenario, steps: 
         inconsistencies,
         unexplored_pct,
         mean_unexplored_pct: sum / f64::from(steps + 1),
-        identified: engine.seats()[0].agent.knowledge().targets.len(),
+        identified: engine.nodes()[0].agent.knowledge().targets.len(),
         dropped: engine.counters().dropped.values().sum(),
         no_way_out,
     }

@@ -40,10 +40,10 @@ fn measuring_changes_nothing() {
     let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let scenario = small(2, 120.0, 3);
     let measured = pool.install(|| {
-        let layer = csat_experiments::stages::StageLayer;
+        let layer = csat_mission::stages::StageLayer;
         let subscriber = tracing_subscriber::registry().with(layer);
         tracing::subscriber::with_default(subscriber, || {
-            let (_, times) = csat_experiments::stages::collect(|| {
+            let (_, times) = csat_mission::stages::collect(|| {
                 tracing::info_span!("sense").in_scope(|| {});
             });
             assert!(times.sense.is_some(), "the layer is at work");

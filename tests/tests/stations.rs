@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use csat_agent::config::{Criterion, ExchangeMode};
-use csat_experiments::engine::{Engine, LifeEvent, StepTrace};
 use csat_experiments::scenario::Scenario;
 use csat_experiments::set_membership::SetMembership;
+use csat_mission::engine::{Engine, LifeEvent, StepTrace};
 use csat_netem::config::{OutageConfig, OutageKind, PartitionConfig, PropagationConfig};
 use csat_netem::fate::Reason;
 use csat_proto::agent::Agent;
@@ -40,7 +40,7 @@ fn step(engine: &mut Mission) -> StepTrace<SetMembership> {
 }
 
 fn unexplored_m2(engine: &Mission, agent: usize) -> f64 {
-    engine.seats()[agent].agent.knowledge().unexplored.region().area_m2()
+    engine.nodes()[agent].agent.knowledge().unexplored.region().area_m2()
 }
 
 /// Where links are perfect a station knows what the UAVs know, to the last bit, and the fleet flies and
@@ -54,7 +54,7 @@ fn with_perfect_links_a_station_knows_what_the_fleet_knows() {
         for k in 0..=40 {
             let digests = [&mut without, &mut with].map(|engine| {
                 step(engine);
-                let digests = engine.seats().iter().map(|seat| seat.agent.digest());
+                let digests = engine.nodes().iter().map(|node| node.agent.digest());
                 digests.collect::<Vec<u64>>()
             });
             let [fleet, all] = &digests;
@@ -62,8 +62,8 @@ fn with_perfect_links_a_station_knows_what_the_fleet_knows() {
             assert_eq!(all[2], all[0], "{mode:?}, step {k}: the station");
         }
         assert!(unexplored_m2(&with, 2) < 0.8 * 120.0 * 120.0);
-        assert_eq!(with.seats()[2].agent.news_age_s(), Some(0.0));
-        let rejected: Vec<_> = with.seats().iter().map(|s| s.agent.rejected().clone()).collect();
+        assert_eq!(with.nodes()[2].agent.news_age_s(), Some(0.0));
+        let rejected: Vec<_> = with.nodes().iter().map(|s| s.agent.rejected().clone()).collect();
         assert_eq!(rejected, vec![BTreeMap::new(); 3], "{mode:?}");
     }
 }
@@ -78,7 +78,7 @@ fn without_exchange_a_station_knows_nothing() {
     }
     assert_eq!(unexplored_m2(&engine, 2), 120.0 * 120.0);
     assert!(unexplored_m2(&engine, 0) < 120.0 * 120.0);
-    assert_eq!(engine.seats()[2].agent.news_age_s(), Some(10.0));
+    assert_eq!(engine.nodes()[2].agent.news_age_s(), Some(10.0));
 }
 
 /// Two UAVs 100 m above each other hear 95 m far, and a station between them is heard by both.

@@ -14,13 +14,13 @@ use csat_agent::estimate::evidence::Heard;
 use csat_agent::estimate::state::Knowledge;
 use csat_agent::identity::Identity;
 use csat_agent::sense::{Measured, Sensor};
-use csat_experiments::engine::Engine;
 use csat_experiments::mission::{self, RunOptions};
-use csat_experiments::plug::Mission;
 use csat_experiments::record::{RecordOptions, Recorder};
 use csat_experiments::run_folder::Destination;
 use csat_experiments::scenario::{self, Loaded, Request};
 use csat_experiments::set_membership::SetMembership;
+use csat_mission::engine::Engine;
+use csat_mission::mission::Mission;
 use csat_proto::agent::Agent;
 use csat_proto::camera::Pose;
 use csat_proto::envelope::Envelope;
@@ -83,7 +83,7 @@ pub fn moments(times_s: &[f64]) -> Vec<Moment> {
     for &time_s in times_s {
         let last = Step((time_s / config.period_s).round() as u32);
         loop {
-            let agents: Vec<_> = engine.seats().iter().map(|seat| seat.agent.clone()).collect();
+            let agents: Vec<_> = engine.nodes().iter().map(|node| node.agent.clone()).collect();
             let step = engine.step().step;
             let (scene, poses) = (engine.world().scene(), engine.world().poses());
             let mut look = |id: usize| {
@@ -98,7 +98,7 @@ pub fn moments(times_s: &[f64]) -> Vec<Moment> {
             let before = sensor.clone();
             sensor.measure(&frames[0]);
             let moment = record(before, agents, frames, now, scene, scenario.seed);
-            let flown = engine.seats()[0].agent.digest();
+            let flown = engine.nodes()[0].agent.digest();
             assert_eq!(moment.fused.digest(), flown, "recorded something else than was flown");
             moments.push(moment);
             break;

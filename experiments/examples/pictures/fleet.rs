@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use csat_experiments::engine::{Engine, LifeEvent};
 use csat_experiments::plot::canvas::{group, label, round, text};
 use csat_experiments::plot::layers;
 use csat_experiments::scenario::Loaded;
 use csat_experiments::set_membership::SetMembership;
+use csat_mission::engine::{Engine, LifeEvent};
 use csat_netem::fate::Reason;
 use csat_proto::ids::AgentId;
 use svg::node::element::{Group, Path};

@@ -4,12 +4,13 @@ use csat_agent::agent::SetMembershipAgent;
 use csat_agent::config::AgentConfig;
 use csat_agent::estimate::state::Knowledge;
 use csat_agent::sense::{Measured, Sensor};
-use csat_experiments::engine::Engine;
-use csat_experiments::plug::{Detail, Mission};
 use csat_experiments::rounding;
 use csat_experiments::scenario::{self, Loaded, Request};
 use csat_experiments::set_membership::SetMembership;
-use csat_experiments::view::{self, View};
+use csat_experiments::view::View;
+use csat_mission::engine::Engine;
+use csat_mission::mission::{Detail, Mission};
+use csat_mission::picture;
 use csat_proto::camera::Pose;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, TargetId};
@@ -65,13 +66,13 @@ impl Recorded {
             checks.push(check(&engine));
         }
         let before = |agent: &SetMembershipAgent| Knowledge::clone(agent.knowledge());
-        let mut before: Vec<Knowledge> = engine.seats().iter().map(|s| before(&s.agent)).collect();
+        let mut before: Vec<Knowledge> = engine.nodes().iter().map(|s| before(&s.agent)).collect();
         let step = engine.step().step;
         checks.push(check(&engine));
         let (scene, poses) = (engine.world().scene(), engine.world().poses());
         let mut look = |(id, pose)| renderer.frame(&scene, pose, step, scenario.seed, AgentId(id));
         let frames = (0..).zip(&poses).map(&mut look);
-        let mut agents: Vec<_> = engine.seats().iter().map(|seat| seat.agent.clone()).collect();
+        let mut agents: Vec<_> = engine.nodes().iter().map(|node| node.agent.clone()).collect();
         let sense = |(index, frame): (usize, Frame)| {
             let measured = Sensor::new(agents[index].config()).measure(&frame);
             (index, frame, measured)
@@ -128,12 +129,12 @@ pub fn load(sets: &[&str]) -> Loaded {
 }
 
 /// A region in metres, for drawing.
-pub fn shapes(region: &Region) -> view::Shapes {
+pub fn shapes(region: &Region) -> picture::Shapes {
     rounding::shapes(region)
 }
 
 fn check(engine: &Engine<SetMembership>) -> Vec<Check> {
-    let knowledge = engine.seats()[0].agent.knowledge();
+    let knowledge = engine.nodes()[0].agent.knowledge();
     let targets = engine.world().targets().iter();
     targets
         .map(|truth| {

@@ -7,7 +7,7 @@ use csat_agent::guidance::Planner;
 use csat_agent::guidance::rollout::Motion;
 use csat_experiments::plot::canvas::{Panel, group, label, round};
 use csat_experiments::plot::{layers, uav_colour};
-use csat_experiments::view;
+use csat_mission::picture;
 use csat_proto::camera::Pose;
 use csat_proto::raster::Raster;
 use svg::node::element::{Group, Path};
@@ -39,11 +39,11 @@ pub fn guidance(recorded: &Recorded) -> String {
     assert!(taken.cost_m2 <= least, "the agent chose {} m², {least} is less", taken.cost_m2);
     let footprint = Style::line(colour, 1.4).dashed("6 4");
     let overview = |panel: &Panel| {
-        let wanted = view::cells(&agent.knowledge().coarse().wanted);
+        let wanted = picture::cells(&agent.knowledge().coarse().wanted);
         let all = group("decision")
             .add(layers::ground(panel, &recorded.view))
             .add(Style::fill(layers::UNEXPLORED, 0.85).on(panel.cells(&wanted)))
-            .add(SEEN.on(panel.cells(&view::cells(&taken.seen))))
+            .add(SEEN.on(panel.cells(&picture::cells(&taken.seen))))
             .add(layers::buildings(panel, &recorded.view));
         let all = chosen.iter().fold(all, |all, pose| {
             let corners = agent.config().camera.at(pose).footprint();

@@ -6,7 +6,7 @@ use csat_agent::estimate::predict::Predictor;
 use csat_agent::region::Outer;
 use csat_experiments::plot::canvas::{Panel, group, label};
 use csat_experiments::plot::layers;
-use csat_experiments::view;
+use csat_mission::picture;
 use csat_proto::model::Ground;
 use csat_proto::raster::{Grid, Raster};
 use csat_proto::region::{Region, grid_point};
@@ -111,7 +111,7 @@ pub fn hidden_and_oem(recorded: &mut Recorded) -> String {
         recorded.agents[viewer].predicted_hidden()
     };
     let recorded = &*recorded;
-    let (now, predicted) = (view::cells(&recorded.measured.hidden), view::cells(&predicted));
+    let (now, predicted) = (picture::cells(&recorded.measured.hidden), picture::cells(&predicted));
     let mut sheet = Sheet::new(980.0);
     let width = sheet.share(2);
     let place = scene(recorded);

@@ -2,7 +2,7 @@
 
 use csat_experiments::plot::canvas::{Panel, group, label, text};
 use csat_experiments::plot::{layers, uav_colour};
-use csat_experiments::view::Shapes;
+use csat_mission::picture::Shapes;
 use csat_proto::frame::{Detection, Frame, Label};
 use svg::node::element::{Group, Path, Rectangle};
 

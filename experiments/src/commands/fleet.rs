@@ -6,18 +6,19 @@ use std::sync::atomic::Ordering;
 
 use anyhow::Context;
 
-use csat_experiments::fleet::remote::FleetError;
 use csat_experiments::logs::Logs;
 use csat_experiments::mission::RunOptions;
-use csat_experiments::process::agent::{self, AgentError, EndedBy};
-use csat_experiments::process::arguments::{AgentArguments, WorldArguments};
-use csat_experiments::process::leash;
+use csat_experiments::process::agent;
 use csat_experiments::process::spawn::{self, SpawnArguments, SpawnError};
-use csat_experiments::process::world::{self, WorldError};
+use csat_experiments::process::world::{self, WorldArguments, WorldError};
 use csat_experiments::run_folder::RunFolder;
-use csat_experiments::tell;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED};
-use csat_experiments::wire::session::{self, Role};
+use csat_peer::agent::{AgentError, EndedBy};
+use csat_peer::arguments::AgentArguments;
+use csat_peer::parent_death;
+use csat_peer::tell;
+use csat_peer::wire::session::{self, Role};
+use csat_peer::world::FleetError;
 
 /// `csat spawn`.
 pub fn spawn(arguments: &SpawnArguments) -> anyhow::Result<u8> {
@@ -49,7 +50,7 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
     let interrupted = super::interrupted_by_the_user()?;
     if *leashed {
         let interrupted = interrupted.clone();
-        leash::when_let_go(move || interrupted.store(true, Ordering::SeqCst));
+        parent_death::when_let_go(move || interrupted.store(true, Ordering::SeqCst));
     }
     let options = RunOptions { interrupted };
     let asked = wire;

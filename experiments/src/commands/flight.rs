@@ -15,8 +15,8 @@ use csat_experiments::sweep::record::RunRecord;
 use csat_experiments::sweep::results::{Counts, Results};
 use csat_experiments::sweep::seeds::Shard;
 use csat_experiments::sweep::work::{Event, work};
-use csat_experiments::tell;
 use csat_experiments::verdict::{BAD_INPUT, DONE, FAILED, INTERRUPTED, VIOLATED};
+use csat_peer::tell;
 
 /// What this process flies.
 pub struct Flight<'a> {

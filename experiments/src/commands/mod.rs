@@ -30,10 +30,10 @@ use csat_experiments::set_membership::SetMembership;
 use csat_experiments::show;
 use csat_experiments::show::recording::Recording;
 use csat_experiments::summary::Summary;
-use csat_experiments::tell;
-use csat_experiments::terminal;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED, verdict};
-use csat_experiments::words::counted;
+use csat_mission::words::counted;
+use csat_peer::tell;
+use csat_peer::terminal;
 
 pub use compare::compare;
 pub use fleet::{agent, spawn, world};

@@ -8,8 +8,8 @@ use clap_complete::Shell;
 
 use csat_experiments::cli::Cli;
 use csat_experiments::scenario::{keys, shipped, similar};
-use csat_experiments::tell;
 use csat_experiments::verdict::{BAD_INPUT, DONE};
+use csat_peer::tell;
 
 use super::say;
 

@@ -4,13 +4,13 @@ use std::io::IsTerminal;
 use std::sync::atomic::Ordering;
 
 use csat_experiments::cli::ReplayArguments;
-use csat_experiments::show::documents::Document;
 use csat_experiments::show::read::{self, Film};
 use csat_experiments::show::replay::play;
 use csat_experiments::show::truth;
-use csat_experiments::tell;
 use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED};
-use csat_experiments::wire::session::{self, Role};
+use csat_mission::documents::Document;
+use csat_peer::tell;
+use csat_peer::wire::session::{self, Role};
 use csat_proto::keys::Keys;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use zenoh::bytes::Encoding;

@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use anyhow::Context;
 
-use csat_experiments::tell;
 use csat_experiments::tools::doctor::{self, DoctorArguments};
 use csat_experiments::tools::echo::{self, EchoArguments};
 use csat_experiments::verdict::{BAD_INPUT, DONE, FAILED, INTERRUPTED};
+use csat_peer::tell;
 
 /// `csat echo`.
 pub fn echo(arguments: &EchoArguments) -> anyhow::Result<u8> {

@@ -2,9 +2,9 @@
 
 use anyhow::Context;
 
-use csat_experiments::tell;
 use csat_experiments::verdict::{BAD_INPUT, DONE};
 use csat_experiments::watch::{self, arguments::WatchArguments};
+use csat_peer::tell;
 
 /// `csat watch`.
 pub fn watch(arguments: &WatchArguments) -> anyhow::Result<u8> {

@@ -4,7 +4,7 @@ use super::{Comparison, Kind, Number, Part};
 use crate::report::axis::short;
 use crate::report::shapes::rounded;
 use crate::sweep::metric::METRICS;
-use crate::words::counted;
+use csat_mission::words::counted;
 
 impl Comparison {
     /// In lines for the terminal.

@@ -6,7 +6,9 @@ use svg::node::element::{ClipPath, Definitions, Group, Rectangle, Title, Use};
 use super::canvas::{Panel, group, round, text};
 use super::map::{margin_m, title};
 use super::{layers, legend};
-use crate::view::{Knowledge, View, area_m2};
+use crate::view::View;
+use crate::view::area_m2;
+use csat_mission::picture::Knowledge;
 
 const WIDTH_PX: f64 = 1240.0;
 const GAP_PX: f64 = 20.0;

@@ -4,7 +4,9 @@ use std::fmt::Write;
 
 use svg::node::element::{Group, Path, Text};
 
-use crate::view::{Cells, Ring, Shapes};
+use csat_mission::picture::Cells;
+use csat_mission::picture::Ring;
+use csat_mission::picture::Shapes;
 
 /// A rectangle of the picture that shows a rectangle of the world, north up.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,9 @@ use svg::node::element::{Circle, Definitions, Group, Line, Path, Pattern, Polygo
 
 use super::canvas::{Panel, group, label, round};
 use super::uav_colour;
-use crate::view::{Knowledge, Oem, View};
+use crate::view::View;
+use csat_mission::picture::Knowledge;
+use csat_mission::picture::Oem;
 
 /// X̄ of the thesis's figures.
 pub const UNEXPLORED: &str = "#F5DF4D";
@@ -164,7 +166,8 @@ fn oem_cells(panel: &Panel, oem: &Oem, into: Group, style: impl Fn(Path, f64) ->
             .filter(|cell| bands.band(cell.2) == band)
             .map(|&(column, row, _)| [row, column, column + 1])
             .collect();
-        let cells = crate::view::Cells { cell_m: oem.cell_m, origin_m: oem.origin_m, runs };
+        let cells =
+            csat_mission::picture::Cells { cell_m: oem.cell_m, origin_m: oem.origin_m, runs };
         let share = f64::from(band) / f64::from(BANDS - 1);
         if cells.runs.is_empty() { group } else { group.add(style(panel.cells(&cells), share)) }
     })

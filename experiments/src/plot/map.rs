@@ -5,8 +5,9 @@ use svg::node::element::{ClipPath, Definitions, Group, Polygon, Rectangle};
 
 use super::canvas::{Panel, group, round, text};
 use super::{axes, layers, legend};
-use crate::view::{Knowledge, View};
-use crate::words::counted;
+use crate::view::View;
+use csat_mission::picture::Knowledge;
+use csat_mission::words::counted;
 
 const MAIN_PX: f64 = 880.0;
 const SIDE_PX: f64 = 330.0;

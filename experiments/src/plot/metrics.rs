@@ -9,7 +9,7 @@ use super::panels::{Beside, Curve, GREY, Panel, STATIONS, TEXT, panels};
 use crate::published::SPAN_S;
 use crate::series::{Curves, Point, Series};
 use crate::summary::Summary;
-use crate::words::counted;
+use csat_mission::words::counted;
 
 const SIZE_PX: (u32, u32) = (1240, 1360);
 const HEADER_PX: i32 = 62;

@@ -3,11 +3,15 @@ use csat_proto::oem::OemCell;
 use csat_proto::raster::{Grid, Raster};
 
 use super::*;
-use crate::metrics::StepRecord;
 use crate::scenario::{self, Request};
 use crate::series::{Curves, Means, Point, Series};
 use crate::testing::scratch;
-use crate::view::{self, Building, Knowledge, Ring, UavTrack};
+
+use crate::view::Building;
+use crate::view::UavTrack;
+use csat_mission::picture::Knowledge;
+use csat_mission::picture::Ring;
+use csat_mission::row::StepRecord;
 
 /// `CSAT_SHOW=folder cargo test` leaves the pictures there, to be looked at.
 fn show(name: &str, svg: &str) {
@@ -86,8 +90,8 @@ fn knowledge(buildings: &[Building]) -> Knowledge {
             .map(|(j, x, y)| (j, vec![vec![rectangle([x - 9.0, y - 14.0], [18.0, 28.0])]]))
             .to_vec(),
         obstacle_margin: buildings.iter().skip(6).map(margin).collect(),
-        hidden: view::cells(&hidden),
-        oem: view::oem(&grid, &oem),
+        hidden: csat_mission::picture::cells(&hidden),
+        oem: csat_mission::picture::oem(&grid, &oem),
     }
 }
 

@@ -20,15 +20,15 @@ use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::watch;
 use tokio::task::JoinSet;
 
-use super::arguments::PaceArguments;
 use crate::cli::RunArguments;
 use crate::provenance::spawned_by;
 use crate::scenario::Loaded;
-use crate::tell;
 use crate::verdict::{FAILED, INTERRUPTED};
-use crate::wire::config::{DEFAULT_ADDRESS, scheme};
-use crate::wire::session::{self, WireError};
-use crate::words::named;
+use csat_mission::words::named;
+use csat_peer::arguments::PaceArguments;
+use csat_peer::tell;
+use csat_peer::wire::config::{DEFAULT_ADDRESS, scheme};
+use csat_peer::wire::session::{self, WireError};
 
 /// How long agents may take to hear of the end of their world, and how long to end when they are let go.
 const FAREWELLS: [Duration; 2] = [Duration::from_secs(1), Duration::from_secs(4)];

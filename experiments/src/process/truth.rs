@@ -8,14 +8,14 @@ use csat_proto::time::Step;
 use zenoh::query::{Query, Queryable};
 use zenoh::{Session, Wait};
 
-use super::mirror::{LEAST_PERIOD, Watched, reply};
 use crate::mission::{Audience, Moment};
-use crate::plug::{Detail, Mission};
 use crate::record::RecordError;
 use crate::scenario::Loaded;
-use crate::show::documents::Document;
 use crate::show::truth;
-use crate::timing::Stopwatch;
+use csat_mission::documents::Document;
+use csat_mission::mission::{Detail, Mission};
+use csat_mission::timing::Stopwatch;
+use csat_peer::agent::mirror::{LEAST_PERIOD, Watched, reply};
 
 /// The newest document of each name.
 type Newest = Arc<Mutex<BTreeMap<String, Document>>>;

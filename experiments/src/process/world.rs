@@ -1,5 +1,10 @@
 //! The world's process: town, cars and cameras, and everybody's observer.
 
+use crate::cli::RunArguments;
+use clap::Args;
+use csat_peer::arguments::PaceArguments;
+use csat_peer::wire::session::WireArguments;
+use std::path::PathBuf;
 use std::time::Duration;
 
 use csat_proto::control::{PROTOCOL, Pace, Welcome};
@@ -7,17 +12,39 @@ use csat_proto::ids::RunId;
 use csat_proto::keys::Keys;
 use zenoh::{Session, Wait};
 
-use super::arguments::WorldArguments;
-use super::process_number;
 use super::truth::Showcase;
-use crate::fleet::remote::port::Port;
-use crate::fleet::remote::roster::Roster;
-use crate::fleet::remote::{FleetError, RemoteFleet};
 use crate::mission::{self, Audience, FlightError, RunOptions};
 use crate::record::{Outcome, Recorder};
 use crate::scenario::Loaded;
 use crate::set_membership::SetMembership;
-use crate::timing::Stopwatch;
+use csat_mission::timing::Stopwatch;
+use csat_peer::process_number;
+use csat_peer::world::port::Port;
+use csat_peer::world::roster::Roster;
+use csat_peer::world::{FleetError, RemoteFleet};
+
+/// `csat world`.
+#[derive(Debug, Clone, Args)]
+pub struct WorldArguments {
+    /// What to fly and where to write it down.
+    #[command(flatten)]
+    pub run: RunArguments,
+    /// How time passes and how long to wait.
+    #[command(flatten)]
+    pub pace: PaceArguments,
+    /// Where to listen and connect.
+    #[command(flatten)]
+    pub wire: WireArguments,
+    /// End when standard input ends: whoever spawned this process is gone
+    #[arg(long, hide = true)]
+    pub leashed: bool,
+    /// Agents' processes that end are started again: wait for one when none is left
+    #[arg(long, hide = true)]
+    pub restarts: bool,
+    /// A folder with the agents' logs, to be moved into the run folder at the end
+    #[arg(long, hide = true, value_name = "DIR")]
+    pub logs: Option<PathBuf>,
+}
 
 /// How long others are looked for that may fly the run already.
 const LOOK: Duration = Duration::from_secs(2);

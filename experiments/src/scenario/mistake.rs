@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::source::Place;
-use crate::words::counted;
+use csat_mission::words::counted;
 
 /// One mistake (or warning) with its place and what was expected.
 #[derive(Debug, Clone, PartialEq, Eq)]

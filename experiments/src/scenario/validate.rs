@@ -17,7 +17,7 @@ use super::camera_check::car_coverage;
 use super::mistake::Mistake;
 use super::{RunConfig, Scenario};
 use crate::set_membership::agent_config;
-use crate::show::documents::micro;
+use csat_mission::documents::micro;
 
 /// A value that cannot be.
 #[derive(Debug, Clone)]

@@ -9,9 +9,12 @@ use serde_json::json;
 
 use super::report::Report;
 use crate::metrics::percent_of;
-use crate::show::documents::{AgentStep, Document, Headed, micro};
-use crate::show::shape;
-use crate::view::{Cells, Knowledge, Oem, to_millimetre};
+use csat_mission::documents::{AgentStep, Document, Headed, micro};
+use csat_mission::picture::Cells;
+use csat_mission::picture::Knowledge;
+use csat_mission::picture::Oem;
+use csat_mission::picture::to_millimetre;
+use csat_mission::shape;
 
 /// `pose`.
 #[derive(Debug, Serialize)]

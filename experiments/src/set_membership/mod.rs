@@ -11,12 +11,14 @@ use csat_proto::camera::CameraModel;
 use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
 use csat_proto::time::Step;
 
-use crate::metrics::{StepRecord, localization, percent_of};
-use crate::plug::{Detail, Mission, Tally, Watched};
+use crate::metrics::percent_of;
+use crate::metrics::{localization, set_localization};
 use crate::rounding;
 use crate::scenario::Scenario;
-use crate::show::documents::{AgentStep, Document};
-use crate::view;
+use csat_mission::documents::{AgentStep, Document};
+use csat_mission::mission::{Detail, Mission, Tally, Watched};
+use csat_mission::picture;
+use csat_mission::row::StepRecord;
 use report::Report;
 
 /// The set-membership mission of a scenario.
@@ -93,7 +95,7 @@ impl Mission for SetMembership {
     fn measure(&self, report: &Report, truth: &[[f64; 2]], row: &mut StepRecord) {
         let sets = report.targets.iter().map(|(j, set)| (*j, set));
         row.identified = report.targets.len() as u16;
-        row.set_localization(localization(sets, truth));
+        set_localization(row, localization(sets, truth));
         row.unexplored_pct = percent_of(&self.config.ground, report.unexplored.area_m2());
         row.hidden_pct = report.hidden_pct;
         row.oem_iou_pct = report.oem_iou_pct;
@@ -112,20 +114,22 @@ impl Mission for SetMembership {
         }
     }
 
-    fn view(&self, report: &Report) -> view::Knowledge {
+    fn view(&self, report: &Report) -> picture::Knowledge {
         let maps = report.maps.as_ref();
         let ground = &self.config.ground;
         let targets = report.targets.iter();
-        view::Knowledge {
+        picture::Knowledge {
             unexplored: rounding::outer(&report.unexplored, ground),
             targets: targets.map(|(j, set)| (j.0, rounding::outer(set, ground))).collect(),
             obstacle_margin: rounding::inner(&report.obstacle_margin),
-            hidden: maps.map(|maps| view::cells(&maps.hidden)).unwrap_or_default(),
-            oem: maps.map(|maps| view::oem(&maps.oem_grid, &maps.oem_cells())).unwrap_or_default(),
+            hidden: maps.map(|maps| picture::cells(&maps.hidden)).unwrap_or_default(),
+            oem: maps
+                .map(|maps| picture::oem(&maps.oem_grid, &maps.oem_cells()))
+                .unwrap_or_default(),
         }
     }
 
-    fn documents(&self, step: &AgentStep<'_, Report>, known: &view::Knowledge) -> Vec<Document> {
+    fn documents(&self, step: &AgentStep<'_, Report>, known: &picture::Knowledge) -> Vec<Document> {
         let camera = self.camera(step.agent);
         documents::documents(camera.as_ref(), &self.config.ground, step, known)
     }

@@ -10,8 +10,9 @@ use csat_proto::region::Region;
 use csat_proto::time::Step;
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::{oem_iou_pct, percent_of};
-use crate::plug::{Detail, Tally};
+use crate::metrics::oem_iou_pct;
+use crate::metrics::percent_of;
+use csat_mission::mission::{Detail, Tally};
 
 /// What an agent knows at the end of a step. Sets are on the grid of `proto::region`, bit by bit
 /// the agent's own.

@@ -10,11 +10,11 @@ use serde_json::{Value, json};
 
 use super::recording::Seen;
 use super::scene::{FRAME, timestamp};
-use super::shape;
 use crate::plot::uav_colour;
 use crate::rounding::polygons;
-use crate::view::Ring;
-use crate::words::named;
+use csat_mission::picture::Ring;
+use csat_mission::shape;
+use csat_mission::words::named;
 
 /// A degree has this many of the parts that angles are rounded to, 11 cm on the ground: the map is for
 /// looking at.

@@ -1,6 +1,6 @@
 //! Buildings as triangles.
 
-use crate::view::Ring;
+use csat_mission::picture::Ring;
 
 /// A corner of a triangle: east, north, up, metres.
 pub type Corner = [f64; 3];

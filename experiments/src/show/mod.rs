@@ -3,9 +3,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`documents`] | what one agent's step looks like as JSON |
 //! | [`truth`] | what the world shows: the town, the cars, the metrics, lives |
-//! | [`shape`] | sets and lines as valid GeoJSON |
 //! | [`schema`] | what the fields of documents are, for viewers |
 //! | [`map`], [`scene`], [`mesh`] | the same for Foxglove and Lichtblick |
 //! | [`tape`] | `recording.mcap`, channel by channel |
@@ -13,7 +11,6 @@
 //! | [`read`] | reads it again, as far as it is whole |
 //! | [`replay`] | plays it at its own pace or another |
 
-pub mod documents;
 pub mod map;
 pub mod mesh;
 pub mod read;
@@ -21,7 +18,6 @@ pub mod recording;
 pub mod replay;
 pub mod scene;
 pub mod schema;
-pub mod shape;
 pub mod tape;
 pub mod truth;
 

@@ -11,9 +11,9 @@ use mcap::records::{Metadata, Record};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::FILE;
-use super::documents::{Document, Encoding};
 use super::recording::METADATA;
 use super::tape::MEDIA_TYPE;
+use csat_mission::documents::{Document, Encoding};
 
 /// The longest record or chunk that is read, bytes: 100 times what is written for large fleets.
 const MAX_RECORD_BYTES: usize = 1 << 28;

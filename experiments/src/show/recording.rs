@@ -8,16 +8,18 @@ use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::Step;
 use rayon::prelude::*;
 
-use super::documents::{AgentStep, Document, agent_documents};
 use super::tape::Tape;
-use super::{FILE, map, scene, shape, truth};
-use crate::engine::LifeEvent;
-use crate::fleet::Flown;
+use super::{FILE, map, scene, truth};
 use crate::mission::{Audience, Moment};
-use crate::plug::{Detail, Mission};
 use crate::record::RecordError;
 use crate::scenario::Loaded;
-use crate::view::{Knowledge, Ring};
+use csat_mission::documents::{AgentStep, Document, agent_documents};
+use csat_mission::engine::LifeEvent;
+use csat_mission::fleet::Flown;
+use csat_mission::mission::{Detail, Mission};
+use csat_mission::picture::Knowledge;
+use csat_mission::picture::Ring;
+use csat_mission::shape;
 
 /// The name of the metadata record that says what was recorded.
 pub const METADATA: &str = "csat";

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::read::{Film, Recorded};
-use crate::timing::Stopwatch;
+use csat_mission::timing::Stopwatch;
 
 /// The longest sleep, so that whoever wants it to end does not wait.
 const NAP: Duration = Duration::from_millis(50);
@@ -43,7 +43,7 @@ pub fn play<E>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::show::documents::{Document, Encoding};
+    use csat_mission::documents::{Document, Encoding};
     use csat_proto::ids::RunId;
     use std::convert::Infallible;
 

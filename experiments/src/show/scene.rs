@@ -17,7 +17,7 @@ use foxglove::messages::{
 use super::mesh;
 use super::recording::Seen;
 use crate::plot::uav_colour;
-use crate::view::Ring;
+use csat_mission::picture::Ring;
 
 /// The frame that everything is in.
 pub const FRAME: &str = "world";

@@ -10,10 +10,10 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 
-use super::documents::Document;
 use super::schema;
 use crate::record::RecordError;
 use crate::run_folder::{FolderError, PartialFile};
+use csat_mission::documents::Document;
 
 /// The key under which a channel of documents says which kind of JSON they are.
 pub const MEDIA_TYPE: &str = "media_type";

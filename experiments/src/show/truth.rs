@@ -7,14 +7,16 @@ use csat_world::world::World;
 use serde::Serialize;
 use serde_json::json;
 
-use super::documents::{Document, micro};
-use super::shape;
-use crate::engine::{LifeEvent, StepTrace};
 use crate::mission::Moment;
-use crate::plug::Mission;
 use crate::scenario::Scenario;
 use crate::series::{Means, Point};
-use crate::view::{Building, Ring, to_millimetre};
+use crate::view::Building;
+use csat_mission::documents::{Document, micro};
+use csat_mission::engine::{LifeEvent, StepTrace};
+use csat_mission::mission::Mission;
+use csat_mission::picture::Ring;
+use csat_mission::picture::to_millimetre;
+use csat_mission::shape;
 
 /// The name of the town's document.
 pub const TOWN: &str = "truth/town";
@@ -176,9 +178,9 @@ pub fn lives<M: Mission>(trace: &StepTrace<M>, time_s: f64) -> Vec<Document> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::Engine;
     use crate::set_membership::SetMembership;
     use crate::testing::small_mission;
+    use csat_mission::engine::Engine;
 
     /// In real time an agent may tell too late: that does not make it dead.
     #[test]

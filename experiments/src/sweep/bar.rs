@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use super::pace::Pace;
 use super::plan::Run;
 use super::record::RunRecord;
-use crate::tell;
+use csat_peer::tell;
 
 /// Progress on stderr.
 #[derive(Debug)]

@@ -5,7 +5,7 @@ use std::time::Duration;
 use indicatif::HumanDuration;
 
 use super::plan::Run;
-use crate::timing::Stopwatch;
+use csat_mission::timing::Stopwatch;
 
 /// What is known of how long missions take, and which ones are under way.
 #[derive(Debug, Clone)]

@@ -10,7 +10,7 @@ use zenoh::pubsub::Subscriber;
 use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Session, Wait};
 
-use crate::wire::session::stop_listening;
+use csat_peer::wire::session::stop_listening;
 
 /// How many samples may wait.
 const QUEUE: usize = 16_384;

@@ -12,9 +12,9 @@ use super::ear::{Ear, Heard, Listen};
 use super::keys::{BadKey, key_expression};
 use super::line;
 use super::rates::{self, Rates};
-use crate::tell;
-use crate::timing::Stopwatch;
-use crate::wire::session::{self, Role, WireArguments, WireError};
+use csat_mission::timing::Stopwatch;
+use csat_peer::tell;
+use csat_peer::wire::session::{self, Role, WireArguments, WireError};
 
 /// How often the flag of Ctrl-C is looked at.
 const LOOK: Duration = Duration::from_millis(100);

@@ -2,7 +2,7 @@
 
 use zenoh::key_expr::KeyExpr;
 
-use crate::wire::session::first_line;
+use csat_peer::wire::session::first_line;
 
 /// What is shown of a run unless told otherwise: everything, of every run.
 pub const ALL: &str = "csat/**";

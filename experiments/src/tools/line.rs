@@ -7,7 +7,7 @@ use csat_proto::message::Message;
 use serde_json::{Map, Value, json};
 
 use super::ear::Heard;
-use crate::words::counted;
+use csat_mission::words::counted;
 
 /// How many characters of a document are shown on a line.
 const MAX_SHOWN: usize = 160;

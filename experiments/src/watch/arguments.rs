@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::wire::session::WireArguments;
+use csat_peer::wire::session::WireArguments;
 
 /// What to watch and where to show it.
 #[derive(Debug, Clone, Default, Args)]

@@ -12,7 +12,7 @@ use zenoh::sample::{Sample, SampleKind};
 
 use super::WatchError;
 use super::feed::{Document, Hub};
-use crate::timing::Stopwatch;
+use csat_mission::timing::Stopwatch;
 
 /// Documents that were heard and are not read yet; one step of 64 agents is under 600.
 const QUEUE: usize = 4096;

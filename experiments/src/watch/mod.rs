@@ -34,7 +34,7 @@ use recording::Recording;
 use server::Source;
 
 use crate::show::read::ReadError;
-use crate::wire::session::{self, Role, WireError};
+use csat_peer::wire::session::{self, Role, WireError};
 
 /// Why there is nothing to watch.
 #[derive(Debug, thiserror::Error)]

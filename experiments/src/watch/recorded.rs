@@ -5,7 +5,7 @@ use std::path::Path;
 use super::WatchError;
 use super::feed::Document;
 use crate::show::read;
-use crate::tell;
+use csat_peer::tell;
 
 /// The documents of the run in a folder (or of a recording by its own name), by time. What is wrong
 /// with a recording that can be read in part is told on stderr.

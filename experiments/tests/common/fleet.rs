@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
-use csat_experiments::timing::Stopwatch;
+use csat_mission::timing::Stopwatch;
 
 use super::{SMALL, command};
 

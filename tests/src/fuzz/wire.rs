@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use csat_experiments::fleet::remote::account::Account;
-use csat_experiments::process::queue::MessageQueue;
 use csat_experiments::set_membership::report::Report;
+use csat_peer::agent::queue::MessageQueue;
+use csat_peer::world::account::Account;
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::control::{
     Announcement, Done, FrameHeader, Join, Order, Probe, Ready, SaidSoFar, Welcome,
@@ -105,7 +105,7 @@ pub fn queue(bytes: &[u8]) {
             }
             1 if queue.lacks(std::slice::from_ref(&said), own).is_none() => {
                 let got = queue.hear(std::slice::from_ref(&said), own);
-                let is_announced = |one: &csat_experiments::seat::Said| {
+                let is_announced = |one: &csat_mission::node::Said| {
                     let next = said.next.get(usize::from(one.channel.0));
                     one.src == agent && next.is_some_and(|next| one.sequence < *next)
                 };

@@ -103,7 +103,7 @@ impl<'a> Settling<'a> {
         engine: &Swarm,
         check: impl Fn(&Knowledge, &Knowledge) -> Result<(), String>,
     ) -> Result<(), String> {
-        let knowledge = |i: u16| engine.seats()[usize::from(i)].agent.inner.knowledge();
+        let knowledge = |i: u16| engine.nodes()[usize::from(i)].agent.inner.knowledge();
         let first = self.draw.core[0];
         self.draw.core[1..].iter().try_for_each(|&other| {
             check(knowledge(first), knowledge(other))

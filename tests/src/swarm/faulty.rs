@@ -2,18 +2,17 @@
 //!
 //! A process that is starved in real time looks at the newest frame only and misses those before; clocks
 //! differ by up to `exchange.clock_skew_s`. Neither happens in virtual time, so it is put in here,
-//! between the seat and its agent.
+//! between the node and its agent.
 
 use std::ops::Range;
 
 use csat_agent::agent::{Event, SetMembershipAgent};
-use csat_experiments::metrics::StepRecord;
-use csat_experiments::plug::{Detail, Mission, Tally, Watched};
 use csat_experiments::scenario::Scenario;
 use csat_experiments::set_membership::SetMembership;
 use csat_experiments::set_membership::report::Report;
-use csat_experiments::show::documents::{AgentStep, Document};
-use csat_experiments::view;
+use csat_mission::documents::{AgentStep, Document};
+use csat_mission::mission::{Detail, Mission, Tally, Watched};
+use csat_mission::row::StepRecord;
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::command::YawCommand;
@@ -168,12 +167,16 @@ impl Mission for Faulty {
         self.mission.watched(&report.inner)
     }
 
-    fn view(&self, report: &FaultyReport) -> view::Knowledge {
+    fn view(&self, report: &FaultyReport) -> csat_mission::picture::Knowledge {
         self.mission.view(&report.inner)
     }
 
     /// Nobody looks on.
-    fn documents(&self, _: &AgentStep<'_, FaultyReport>, _: &view::Knowledge) -> Vec<Document> {
+    fn documents(
+        &self,
+        _: &AgentStep<'_, FaultyReport>,
+        _: &csat_mission::picture::Knowledge,
+    ) -> Vec<Document> {
         Vec::new()
     }
 

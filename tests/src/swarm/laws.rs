@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use csat_agent::agent::Event;
-use csat_experiments::engine::{LifeEvent, StepTrace};
-use csat_experiments::plug::Mission;
+use csat_mission::engine::{LifeEvent, StepTrace};
+use csat_mission::mission::Mission;
 use csat_netem::link::Arrival;
 use csat_proto::envelope::Envelope;
 use csat_proto::ids::{AgentId, ChannelId, Incarnation, TargetId};
@@ -106,14 +106,14 @@ impl Laws {
     /// What the mission exercised.
     pub fn exercise(&self, engine: &Swarm) -> Exercise {
         let counters = engine.counters();
-        let seats = engine.seats().iter();
+        let nodes = engine.nodes().iter();
         Exercise {
             missions: 1,
             delivered: counters.delivered,
             dropped: counters.dropped.values().sum(),
             corrupted: counters.corrupted,
             duplicated: counters.duplicated,
-            identified: seats.map(|s| s.agent.inner.knowledge().targets.len() as u64).sum(),
+            identified: nodes.map(|s| s.agent.inner.knowledge().targets.len() as u64).sum(),
             ..self.exercise
         }
     }
@@ -226,8 +226,8 @@ impl Laws {
 
     /// Follows what a receiver may believe of whom, and what it is told.
     fn hear(&mut self, engine: &Swarm, arrival: &Arrival) -> Result<(), String> {
-        let seat = &engine.seats()[usize::from(arrival.dst.0)];
-        if !seat.is_alive() {
+        let node = &engine.nodes()[usize::from(arrival.dst.0)];
+        if !node.is_alive() {
             return Ok(());
         }
         let Ok(envelope) = Envelope::decode(&arrival.bytes) else {
@@ -235,7 +235,7 @@ impl Laws {
             return Ok(());
         };
         // Messages are dated by the receiver's last frame.
-        let now = seat.agent.inner.knowledge().step;
+        let now = node.agent.inner.knowledge().step;
         let soonest = now.after((self.clock_skew_s / self.period_s).ceil() as u32 + 1);
         let age_s = f64::from(now.0.saturating_sub(envelope.step.0)) * self.period_s;
         if envelope.step > soonest || age_s > self.max_age_s {
@@ -255,8 +255,8 @@ impl Laws {
 
     /// Agents reject what is damaged, too old or of an earlier life, all of it and nothing else.
     fn check_rejections(&self, engine: &Swarm) -> Result<(), String> {
-        for (seat, id) in engine.seats().iter().zip(0..).filter(|(seat, _)| seat.is_alive()) {
-            let rejected = seat.agent.inner.rejected();
+        for (node, id) in engine.nodes().iter().zip(0..).filter(|(node, _)| node.is_alive()) {
+            let rejected = node.agent.inner.rejected();
             let count = |reason| rejected.get(reason).copied().unwrap_or_default();
             let of = |counts: &BTreeMap<AgentId, u64>| {
                 counts.get(&AgentId(id)).copied().unwrap_or_default()

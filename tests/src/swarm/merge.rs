@@ -7,7 +7,7 @@ use csat_agent::estimate::Estimator;
 use csat_agent::estimate::evidence::Heard;
 use csat_agent::estimate::state::Knowledge;
 use csat_agent::identity::Identity;
-use csat_experiments::engine::StepTrace;
+use csat_mission::engine::StepTrace;
 use csat_proto::agent::FIRST_ANSWER;
 use csat_proto::envelope::Envelope;
 use csat_proto::message::Message;
@@ -25,21 +25,21 @@ pub fn check(engine: &Swarm, trace: &StepTrace<Faulty>) -> Result<u64, String> {
     if !trace.step.0.is_multiple_of(3) {
         return Ok(0);
     }
-    let index = trace.step.0 as usize / 3 % engine.seats().len();
-    let seat = &engine.seats()[index];
+    let index = trace.step.0 as usize / 3 % engine.nodes().len();
+    let node = &engine.nodes()[index];
     let heard = trace.arrivals.iter().filter(|a| usize::from(a.dst.0) == index);
     let mut heard = heard.filter_map(|arrival| decode(&arrival.bytes));
     let (Some(a), Some(b)) = (heard.next(), heard.next()) else { return Ok(0) };
-    if !seat.is_alive() {
+    if !node.is_alive() {
         return Ok(0);
     }
-    let estimator = Estimator::new(seat.agent.inner.config());
+    let estimator = Estimator::new(node.agent.inner.config());
     let with = |knowledge: &Knowledge, news: &Heard| {
         let mut knowledge = knowledge.clone();
         estimator.update(&mut knowledge, None, vec![news.clone()]);
         knowledge
     };
-    let start = seat.agent.inner.knowledge();
+    let start = node.agent.inner.knowledge();
     let expected = with(&with(start, &a), &b);
     let swapped = with(&with(start, &b), &a);
     compare(&expected, &swapped).map_err(|law| format!("order matters: {law}"))?;

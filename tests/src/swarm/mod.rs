@@ -20,7 +20,7 @@ mod merge;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use csat_experiments::engine::Engine;
+use csat_mission::engine::Engine;
 
 use crate::missions::world_of;
 use converge::Settling;

@@ -3,7 +3,7 @@
 use csat_agent::agent::SetMembershipAgent;
 use csat_agent::config::{AgentConfig, ExchangeMode};
 use csat_agent::exchange::validate;
-use csat_experiments::timing::Stopwatch;
+use csat_mission::timing::Stopwatch;
 use csat_proto::agent::Agent;
 use csat_proto::envelope::Envelope;
 use csat_proto::ids::{AgentId, Incarnation};

@@ -20,10 +20,10 @@ use csat_proto::ids::{AgentId, Incarnation};
 
 use super::page::banner_of;
 use super::table::Table;
-use crate::plug::Mission;
 use crate::report::page;
 use crate::scenario::Scenario;
 use crate::set_membership::SetMembership;
+use csat_mission::mission::Mission;
 use look::Looks;
 use settings::{Family, Setting, families};
 

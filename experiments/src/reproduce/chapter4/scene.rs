@@ -9,8 +9,8 @@ use csat_world::camera::Renderer;
 use csat_world::scene::{Entity, Prism, Scene};
 use csat_world::target::TargetTruth;
 
-use crate::plug::{Detail, Mission};
 use crate::set_membership::SetMembership;
+use csat_mission::mission::{Detail, Mission};
 
 /// Where the UAV is, metres (§4.7.2).
 pub const P_WORLD: [f64; 3] = [0.0, 0.0, 50.0];

@@ -9,7 +9,7 @@ use super::place::Places;
 use super::run::Run;
 use crate::tools::keys::{When, intersects, nearest, when};
 use crate::tools::rates;
-use crate::words::named;
+use csat_mission::words::named;
 
 /// Why a session may be connected to nobody, though something takes connections.
 pub const LOCKED_OUT: &str = "whoever takes the connection is no Zenoh that lets this one in: another \

@@ -28,10 +28,10 @@ use run::{Heard, Run};
 
 use super::ear::{Ear, Listen};
 use super::keys::{self, BadKey, key_expression};
-use crate::timing::Stopwatch;
-use crate::wire::config::config;
-use crate::wire::session::{self, Role, WireArguments, WireError};
-use crate::words::counted;
+use csat_mission::timing::Stopwatch;
+use csat_mission::words::counted;
+use csat_peer::wire::config::config;
+use csat_peer::wire::session::{self, Role, WireArguments, WireError};
 
 /// How long it listens.
 const LISTENING: Duration = Duration::from_secs(2);

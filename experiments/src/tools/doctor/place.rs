@@ -9,7 +9,7 @@ use zenoh::Config;
 use zenoh::config::EndPoint;
 
 use super::finding::Finding;
-use crate::wire::config::unspoken;
+use csat_peer::wire::config::unspoken;
 
 /// How long a connection may take.
 const LIMIT: Duration = Duration::from_secs(1);
@@ -152,8 +152,8 @@ fn unreachable_place(endpoint: &str, error: &io::Error) -> Finding {
 mod tests {
     use super::*;
     use crate::tools::doctor::Level;
-    use crate::wire::config::config;
-    use crate::wire::session::{Role, WireArguments};
+    use csat_peer::wire::config::config;
+    use csat_peer::wire::session::{Role, WireArguments};
     use std::net::TcpListener;
 
     fn levels(places: &Places) -> (Level, Vec<Level>) {

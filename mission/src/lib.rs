@@ -1,0 +1,27 @@
+//! What a mission is, and the engine that flies one in one process: no Zenoh, no files.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`mission`] | the trait that a kind of mission implements |
+//! | [`engine`] | a mission step by step: the world, its fleet and the monitor |
+//! | [`fleet`] | the agents of a mission, wherever they are |
+//! | [`local`] | the fleet of one process, in virtual time |
+//! | [`node`] | one agent and the links to it |
+//! | [`row`] | one agent at one step, in numbers |
+//! | [`picture`], [`shape`] | what there is to draw of an agent's knowledge |
+//! | [`documents`] | an agent's step as JSON documents |
+//! | [`timing`], [`stages`] | the only clock |
+//! | [`words`] | words for people |
+
+pub mod documents;
+pub mod engine;
+pub mod fleet;
+pub mod local;
+pub mod mission;
+pub mod node;
+pub mod picture;
+pub mod row;
+pub mod shape;
+pub mod stages;
+pub mod timing;
+pub mod words;
