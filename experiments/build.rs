@@ -19,7 +19,7 @@ fn main() {
             watch(&path);
         }
     }
-    for package in ["proto", "netem", "world", "agent", "experiments"] {
+    for package in ["proto", "netem", "world", "agent", "mission", "peer", "experiments"] {
         watch(&format!("../{package}/src"));
     }
 }

@@ -1,7 +1,7 @@
 //! A number of one's own about a mission, without a change to csat, as docs/extending.md explains it:
 //! how far apart the fleet flies.
 
-use csat_experiments::mission::{self, Audience, Moment, RunOptions};
+use csat_experiments::flight::{self, Audience, Moment, RunOptions};
 use csat_experiments::record::{RecordError, RecordOptions, Recorder};
 use csat_experiments::run_folder::Destination;
 use csat_experiments::scenario::{self, Request};
@@ -20,9 +20,9 @@ impl Audience<SetMembership> for Spread {
     }
 
     fn see(&mut self, moment: &Moment<'_, SetMembership>) -> Result<(), RecordError> {
-        let places: Vec<[f64; 2]> = moment.rows.iter().map(|row| [row.x_m, row.y_m]).collect();
-        let pairs = places.iter().flat_map(|a| places.iter().map(move |b| (a, b)));
-        let distances_m = pairs.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
+        let pairs = moment.rows.iter().flat_map(|a| moment.rows.iter().map(move |b| (a, b)));
+        let apart = pairs.map(|(a, b)| [0, 1].map(|axis| a.p_world[axis] - b.p_world[axis]));
+        let distances_m = apart.map(|[east, north]| east.hypot(north));
         self.0.push(distances_m.fold(0.0, f64::max));
         Ok(())
     }
@@ -36,7 +36,7 @@ fn main() -> Result<(), RecordError> {
     let destination = Destination::Numbered(folder.join("city"));
     let mut recorder = Recorder::create(&loaded, &RecordOptions { destination, quiet: true })?;
     let mut spread = Spread::default();
-    let outcome = mission::run(loaded, &RunOptions::default(), &mut recorder, &mut spread)?;
+    let outcome = flight::run(loaded, &RunOptions::default(), &mut recorder, &mut spread)?;
     let finished = recorder.finish(outcome)?;
     let farthest_m = spread.0.iter().copied().fold(0.0, f64::max);
     println!("{}: at most {farthest_m:.1} m apart", finished.folder.display());

@@ -1,7 +1,7 @@
 use std::collections::VecDeque;
 use std::convert::Infallible;
 
-use csat_world::truth::Promise;
+use crate::set_membership::judge::GUARANTEE;
 
 use crate::set_membership::SetMembership;
 use crate::set_membership::report::Report;
@@ -69,8 +69,8 @@ fn checked(late: usize, steps: usize) -> (u64, u64) {
     for _ in 0..steps {
         let Ok(_) = engine.try_step(Detail::Brief);
     }
-    assert_eq!(engine.monitor().counts().total().violations, 0);
-    (engine.monitor().counts().of(Promise::Guarantee).checks, engine.monitor().unchecked())
+    assert_eq!(engine.checked().total().violations, 0);
+    (engine.checked().of(GUARANTEE).checks, engine.unchecked())
 }
 
 #[test]

@@ -6,9 +6,11 @@
 //! | [`cli`] | the command line |
 //! | [`set_membership`] | the set-membership mission |
 //! | [`node`] | one agent and what surrounds it |
-//! | [`mission`] | flies, measures and records a mission |
+//! | [`flight`] | flies, measures and records a mission |
 //! | [`passages`] | what the links did, written down |
-//! | [`metrics`] | one agent at one step: thesis (5.36)-(5.45) |
+//! | [`missions`] | the kinds of missions that it flies |
+//! | [`metrics_file`] | `metrics.csv` |
+//! | [`values`] | numbers by key |
 //! | [`series`] | those over time, averaged over agents and over the second half |
 //! | [`summary`] | a mission in numbers |
 //! | [`station`] | what a ground station knew, in numbers |
@@ -34,11 +36,23 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)] // They panic: see `terminal`.
 
+use std::process::ExitCode;
+
+use clap::Parser;
+use csat_peer::tell;
+
+use crate::cli::{Cli, Command, advice};
+use crate::logs::Logs;
+use crate::missions::Missions;
+use crate::verdict::FAILED;
+
 pub mod cli;
+mod commands;
 pub mod compare;
+pub mod flight;
 pub mod logs;
-pub mod metrics;
-pub mod mission;
+pub mod metrics_file;
+pub mod missions;
 pub mod outputs;
 pub mod passages;
 pub mod plot;
@@ -62,6 +76,7 @@ pub mod sweep;
 mod testing;
 pub mod timing;
 pub mod tools;
+pub mod values;
 pub mod verdict;
 pub mod view;
 pub mod watch;
@@ -70,3 +85,41 @@ pub mod watch;
 mod documents_tests;
 #[cfg(test)]
 mod engine_tests;
+
+/// The command line of a program that flies `missions`, with its exit code: `csat` itself, and programs with
+/// missions of their own. The first call of a process counts.
+pub fn main(missions: Missions) -> ExitCode {
+    missions::install(missions);
+    let cli = Cli::try_parse().unwrap_or_else(|error| {
+        let arguments: Vec<String> =
+            std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect();
+        advice::advise(error, &arguments).exit()
+    });
+    let logs = Logs::install();
+    let result = match &cli.command {
+        Command::Run(arguments) => commands::run(arguments, &logs),
+        Command::Spawn(arguments) => commands::spawn(arguments),
+        Command::World(arguments) => commands::world(arguments, &logs),
+        Command::Agent(arguments) => commands::agent(arguments, &logs),
+        Command::Check(arguments) => commands::check(arguments),
+        Command::Sweep(arguments) => commands::sweep(arguments),
+        Command::Compare(arguments) => commands::compare(arguments),
+        Command::Reproduce(arguments) => commands::reproduce(arguments),
+        Command::Replay(arguments) => commands::replay(arguments),
+        Command::Watch(arguments) => commands::watch(arguments),
+        Command::Echo(arguments) => commands::echo(arguments),
+        Command::Doctor(arguments) => commands::doctor(arguments),
+        Command::Plot { dir, agent } => commands::plot(dir, *agent),
+        Command::Scenarios { name } => commands::scenarios(name.as_deref()),
+        Command::Keys { prefix, json } => commands::keys(prefix, *json),
+        Command::Completions { shell } => commands::completions(*shell),
+        Command::Man { out } => commands::man(out.as_deref()),
+    };
+    match result {
+        Ok(code) => ExitCode::from(code),
+        Err(error) => {
+            tell!("error: {error:#}");
+            ExitCode::from(FAILED)
+        }
+    }
+}

@@ -1,6 +1,9 @@
 //! What the columns and fields of a run folder's files mean: the source of the tables of
 //! docs/outputs.md, and of the header of `links.csv`.
 
+use csat_mission::measures::{Column, Milestone, Of};
+use csat_mission::mission::Kind;
+
 /// A column of a table or a field of a JSON document.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Field {
@@ -28,8 +31,8 @@ pub struct File {
 
 type Row = (&'static str, &'static str, &'static str, &'static str, &'static str);
 
-/// `metrics.csv`.
-const METRICS: &[Row] = &[
+/// `metrics.csv`, before an agent's values.
+const HEAD: &[Row] = &[
     ("step", "", "step", "k, from 0", ""),
     ("time_s", "s", "step", "simulated time, k·T", ""),
     ("agent", "", "agent", "i, its index", ""),
@@ -37,51 +40,10 @@ const METRICS: &[Row] = &[
     ("y_m", "m", "agent", "true position of its UAV, north", ""),
     ("z_m", "m", "agent", "true position of its UAV, above the ground", ""),
     ("yaw_rad", "rad", "agent", "true heading of its UAV, counter-clockwise from east", ""),
-    ("identified", "targets", "agent", "card(L_i), the targets it knows of", "thesis figure 5.9"),
-    (
-        "localization_error_m",
-        "m",
-        "agent, mean over its identified targets",
-        "e^t_i, from the barycentre of X_ij to the true location; nothing while L_i is empty",
-        "thesis (5.36)",
-    ),
-    (
-        "target_area_m2",
-        "m²",
-        "agent, mean over its identified targets",
-        "Φ^t_i, area of X_ij; nothing while L_i is empty",
-        "thesis (5.37)",
-    ),
-    (
-        "target_radius_m",
-        "m",
-        "agent, mean over its identified targets",
-        "Φ^{t,eq}_i, radius of a disc of the area of X_ij; nothing while L_i is empty",
-        "thesis (5.38), (5.39)",
-    ),
-    (
-        "unexplored_pct",
-        "%",
-        "agent",
-        "φ(X̄_i), ground where targets not identified may be",
-        "thesis figure 5.11",
-    ),
-    (
-        "hidden_pct",
-        "%",
-        "agent",
-        "φ(X̄_i ∩ X^h_i), the part of it that obstacles hid and that was not seen since",
-        "thesis (5.43), (5.44)",
-    ),
-    (
-        "oem_iou_pct",
-        "% of the union",
-        "agent",
-        "hidden ground, as its frame shows it and as its occupancy-elevation map predicts it: \
-         intersection over union; nothing where both are empty",
-        "thesis (5.45), one UAV's term",
-    ),
-    ("vertices", "corners", "agent", "of all its sets together", ""),
+];
+
+/// Between an agent's values and the fleet's.
+const MIDDLE: &[Row] = &[
     (
         "bytes_sent",
         "B",
@@ -96,45 +58,10 @@ const METRICS: &[Row] = &[
         "failures of the guarantee found in it at this step",
         "[guarantee](concepts/guarantee.md)",
     ),
-    ("identified_union", "targets", "fleet", "card(∪ L_i)", "thesis figure 5.9"),
-    (
-        "targets_in_fov",
-        "targets",
-        "fleet",
-        "whose true location lies in the footprint of at least one UAV",
-        "thesis figure 5.9",
-    ),
-    (
-        "targets_detected",
-        "targets",
-        "fleet",
-        "card(∪ D_i), identified in at least one frame of this step",
-        "thesis figure 5.9",
-    ),
-    (
-        "footprint_pct",
-        "%",
-        "fleet",
-        "Φ^FoV, within the footprint of at least one UAV",
-        "thesis (5.40)",
-    ),
-    ("ground_seen_pct", "%", "fleet", "Φ^g, seen as ground by at least one UAV", "thesis (5.41)"),
-    (
-        "explored_pct",
-        "%",
-        "fleet",
-        "Φ^{g,cum}, seen as ground at this step or before",
-        "thesis (5.42)",
-    ),
-    ("role", "", "agent", "`uav`, or `station` for a ground station", ""),
-    (
-        "news_age_s",
-        "s",
-        "agent, mean over the other UAVs",
-        "how old the newest frame of a UAV is that it heard of from that UAV; nothing without others",
-        "",
-    ),
 ];
+
+/// The last column.
+const ROLE: &[Row] = &[("role", "", "agent", "`uav`, or `station` for a ground station", "")];
 
 /// `links.csv`.
 const LINKS: &[Row] = &[
@@ -247,6 +174,7 @@ const EVENTS: &[Row] = &[
 
 /// `summary.json`, without means.
 const SUMMARY: &[Row] = &[
+    ("mission", "", "run", "the kind of mission", ""),
     ("scenario", "", "run", "name of the scenario", ""),
     ("seed", "", "run", "its seed", ""),
     ("agents", "", "fleet", "N^u, how many there are", ""),
@@ -280,25 +208,10 @@ const SUMMARY: &[Row] = &[
         "sets that became empty: an assumption failed or an agent lied",
         "",
     ),
-    ("identified", "targets", "fleet", "card(∪ L_i) at the end", "thesis figure 5.9"),
-    (
-        "all_identified_s",
-        "s",
-        "fleet",
-        "when all targets were identified; null if never",
-        "thesis §5.4.3",
-    ),
     ("stations[].agent", "", "station", "its number among the agents: after the UAVs", ""),
     ("stations[].x_m", "m", "station", "its place, east", ""),
     ("stations[].y_m", "m", "station", "its place, north", ""),
     ("stations[].z_m", "m", "station", "its place, above the ground", ""),
-    (
-        "stations[].all_identified_s",
-        "s",
-        "station",
-        "when it knew of all targets; null if never",
-        "",
-    ),
     ("stations[].sent_to", "messages", "station, as receiver", "on their way to it", ""),
     ("stations[].delivered_to", "messages", "station, as receiver", "of those, arrived", ""),
     (
@@ -383,58 +296,68 @@ const SUMMARY: &[Row] = &[
     ),
 ];
 
-/// Metrics that the summary has means of, over the second half and (in `final`) at the last step.
-const MEANS: [&str; 8] = [
-    "unexplored_pct",
-    "hidden_pct",
-    "explored_pct",
-    "footprint_pct",
-    "ground_seen_pct",
-    "localization_error_m",
-    "target_radius_m",
-    "oem_iou_pct",
-];
-
-/// Metrics that the summary has means of for each ground station.
-const STATION_MEANS: [&str; 6] = [
-    "identified",
-    "unexplored_pct",
-    "hidden_pct",
-    "localization_error_m",
-    "target_radius_m",
-    "news_age_s",
-];
-
-/// All files whose columns and fields are described.
-pub fn files() -> Vec<File> {
+/// All files of a kind of mission, with their columns and fields.
+pub fn files(kind: &Kind) -> Vec<File> {
     let file = |name, rows: &[Row]| File { name, fields: rows.iter().map(field).collect() };
     let mut summary = file("summary.json", SUMMARY);
-    let means = [
-        (
-            "",
-            "mean over the steps of the second half (t ≥ half of the time flown) and over the agents",
-        ),
-        ("final.", "mean over the agents, at the last step"),
+    summary.fields.extend(of_summary(kind));
+    let metrics = File { name: "metrics.csv", fields: of_metrics(kind) };
+    vec![metrics, file("links.csv", LINKS), file("events.jsonl", EVENTS), summary]
+}
+
+fn of_metrics(kind: &Kind) -> Vec<Field> {
+    let of = |of: Of| kind.columns.iter().filter(move |c| c.of == of).map(of_column);
+    let common = |rows: &'static [Row]| rows.iter().map(field);
+    let all = common(HEAD).chain(of(Of::Agent)).chain(common(MIDDLE)).chain(of(Of::Fleet));
+    all.chain(common(ROLE)).collect()
+}
+
+fn of_column(column: &Column) -> Field {
+    let &Column { key, unit, over, meaning, source, of, .. } = column;
+    let of = match (over, of) {
+        ("", Of::Agent) => "agent",
+        ("", Of::Fleet) => "fleet",
+        (over, _) => over,
+    };
+    Field { key: key.to_owned(), unit, of, title: meaning, source }
+}
+
+/// The mission's own numbers in the summary.
+fn of_summary(kind: &Kind) -> Vec<Field> {
+    let mut fields = Vec::new();
+    let last = kind.columns.iter().filter_map(|column| Some((column.last_as?, column)));
+    fields.extend(last.map(|(key, column)| Field {
+        key: key.to_owned(),
+        title: column.meaning,
+        of: "fleet, at the end",
+        ..of_column(column)
+    }));
+    let milestone = |prefix: &str, of, m: &Milestone| Field {
+        key: format!("{prefix}{}", m.key),
+        unit: "s",
+        of,
+        title: m.meaning,
+        source: m.source,
+    };
+    fields.extend(kind.milestones.iter().map(|m| milestone("", "fleet", m)));
+    let of_stations = kind.milestones.iter().filter(|m| m.station.is_some());
+    fields.extend(of_stations.map(|m| milestone("stations[].", "station", m)));
+    let half =
+        "mean over the steps of the second half (t ≥ half of the time flown) and over the agents";
+    let means: [(&str, &'static str, fn(&Column) -> bool); 4] = [
+        ("", half, |column| column.in_summary),
+        ("final.", "mean over the agents, at the last step", |column| column.in_summary),
+        ("stations[].", "station, mean over the steps of the second half", |c| c.of_stations),
+        ("stations[].final.", "station, at the last step", |column| column.of_stations),
     ];
-    let of_stations = [
-        ("stations[].", "station, mean over the steps of the second half"),
-        ("stations[].final.", "station, at the last step"),
-    ];
-    let means = means.map(|(prefix, of)| (prefix, of, &MEANS[..]));
-    let of_stations = of_stations.map(|(prefix, of)| (prefix, of, &STATION_MEANS[..]));
-    for (prefix, of, keys) in means.into_iter().chain(of_stations) {
-        let described = keys.iter().filter_map(|key| METRICS.iter().find(|row| row.0 == *key));
-        summary.fields.extend(described.map(|row| {
-            let metric = field(row);
-            Field { key: format!("{prefix}{}", metric.key), of, ..metric }
+    for (prefix, of, is_there) in means {
+        fields.extend(kind.columns.iter().filter(|column| is_there(column)).map(|column| Field {
+            key: format!("{prefix}{}", column.key),
+            of,
+            ..of_column(column)
         }));
     }
-    vec![
-        file("metrics.csv", METRICS),
-        file("links.csv", LINKS),
-        file("events.jsonl", EVENTS),
-        summary,
-    ]
+    fields
 }
 
 /// The columns of `links.csv`.

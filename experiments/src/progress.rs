@@ -4,6 +4,9 @@ use std::io::IsTerminal;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use csat_mission::measures::Column;
+use csat_mission::mission::Kind;
+
 use crate::series::Point;
 use csat_mission::timing::Stopwatch;
 
@@ -12,19 +15,20 @@ use csat_mission::timing::Stopwatch;
 pub struct Progress {
     bar: ProgressBar,
     watch: Stopwatch,
+    kind: &'static Kind,
     targets: u16,
 }
 
 impl Progress {
     /// For a mission of `steps` steps; `hidden` for output that programs read.
-    pub fn new(steps: u32, targets: u16, hidden: bool) -> Self {
+    pub fn new(kind: &'static Kind, steps: u32, targets: u16, hidden: bool) -> Self {
         let visible = !hidden && std::io::stderr().is_terminal();
         let target =
             if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(u64::from(steps)), target);
         let style = ProgressStyle::with_template("{wide_bar} {msg}  eta {eta}");
         bar.set_style(style.expect("the template is a constant"));
-        Self { bar, watch: Stopwatch::start(), targets }
+        Self { bar, watch: Stopwatch::start(), kind, targets }
     }
 
     /// Shows a step.
@@ -33,7 +37,7 @@ impl Progress {
             return;
         }
         let factor = point.time_s / self.watch.elapsed_s().max(1e-3);
-        self.bar.set_message(describe(point, factor, self.targets, violations));
+        self.bar.set_message(describe(self.kind, point, factor, self.targets, violations));
         self.bar.inc(1);
     }
 
@@ -48,29 +52,35 @@ impl Progress {
     }
 }
 
-fn describe(point: &Point, factor: f64, targets: u16, violations: u64) -> String {
+fn describe(kind: &Kind, point: &Point, factor: f64, targets: u16, violations: u64) -> String {
     let word = if violations > 0 { "VIOLATIONS" } else { "violations" };
-    format!(
-        "{:.0} s ({factor:.1}x)  identified {}/{targets}  unexplored {:.1} %  {word} {violations}",
-        point.time_s, point.identified_union, point.means.unexplored_pct
-    )
+    let value = |column: &'static Column| {
+        let value = point.get(kind.columns, column.key);
+        let value = match (value, column.unit) {
+            (None, _) => "-".to_owned(),
+            (Some(value), "targets") => format!("{value}/{targets}"),
+            (Some(value), unit) => format!("{value:.1} {unit}"),
+        };
+        format!("{} {value}  ", column.name)
+    };
+    let columns = kind.headline.iter().filter_map(|key| kind.column(key));
+    let values: String = columns.map(value).collect();
+    format!("{:.0} s ({factor:.1}x)  {values}{word} {violations}", point.time_s)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::series::Means;
+    use crate::missions::kind;
+    use csat_mission::measures::in_order;
 
     #[test]
     fn violations_become_loud() {
-        let point = Point {
-            time_s: 150.0,
-            identified_union: 7,
-            means: Means { unexplored_pct: 21.34, ..Means::default() },
-            ..Point::default()
-        };
+        let kind = kind("set-membership").unwrap();
+        let values = [("identified_union", Some(7.0)), ("unexplored_pct", Some(21.34))];
+        let point = Point { time_s: 150.0, values: in_order(kind.columns, values) };
         let calm = "150 s (15.2x)  identified 7/8  unexplored 21.3 %  violations 0";
-        assert_eq!(describe(&point, 15.21, 8, 0), calm);
-        assert!(describe(&point, 15.21, 8, 2).ends_with(" %  VIOLATIONS 2"));
+        assert_eq!(describe(kind, &point, 15.21, 8, 0), calm);
+        assert!(describe(kind, &point, 15.21, 8, 2).ends_with(" %  VIOLATIONS 2"));
     }
 }

@@ -7,6 +7,7 @@ use csat_proto::model::Station;
 use csat_world::truth::CheckCounts;
 use serde::Serialize;
 
+use crate::metrics_file;
 use crate::outputs::link_columns;
 use crate::passages::LinkRow;
 use crate::plot;
@@ -15,13 +16,14 @@ use crate::provenance::Provenance;
 use crate::run_folder::{Destination, FolderError, PartialFile, RunFolder};
 use crate::scenario::{Loaded, MAP_FILE, TRACKS_FILE};
 use crate::series::{Curves, Series};
-use crate::station::{StationMeans, StationSummary};
+use crate::station::StationSummary;
 use crate::summary::{Messages, Summary};
 use crate::timing::Timing;
+use crate::values::Numbers;
 use crate::view::View;
 use csat_mission::fleet::Frames;
-use csat_mission::row::Role;
-use csat_mission::row::StepRecord;
+use csat_mission::mission::Kind;
+use csat_mission::row::{Role, Row};
 use csat_mission::timing::Stopwatch;
 
 /// Why a run could not be written down.
@@ -99,6 +101,7 @@ pub struct Finished {
 #[derive(Debug)]
 pub struct Recorder {
     folder: RunFolder,
+    kind: &'static Kind,
     scenario: String,
     seed: u64,
     agents: u16,
@@ -120,6 +123,7 @@ impl Recorder {
     /// When the folder is taken or the system refuses.
     pub fn create(loaded: &Loaded, options: &RecordOptions) -> Result<Self, RecordError> {
         let scenario = &loaded.scenario;
+        let kind = loaded.kind();
         let folder = RunFolder::create(options.destination.clone())?;
         folder.write("scenario.resolved.toml", &loaded.kept().to_toml())?;
         if let Some(map) = loaded.own_map() {
@@ -131,9 +135,13 @@ impl Recorder {
         let attribution = loaded.world.map().attribution.clone();
         let provenance = Provenance::collect(&loaded.name, scenario.seed, attribution);
         folder.write("provenance.json", &(serde_json::to_string_pretty(&provenance)? + "\n"))?;
-        let metrics = csv::Writer::from_writer(folder.file("metrics.csv")?);
+        let mut metrics = csv::Writer::from_writer(folder.file("metrics.csv")?);
+        let path = || folder.partial().join("metrics.csv");
+        let header = metrics_file::header(kind.columns);
+        metrics.write_record(header).map_err(|error| RecordError::Csv { path: path(), error })?;
         let events = folder.file("events.jsonl")?;
         Ok(Self {
+            kind,
             scenario: loaded.name.clone(),
             seed: scenario.seed,
             agents: scenario.agents.count,
@@ -141,10 +149,10 @@ impl Recorder {
             thesis_setting: scenario.is_thesis_setting(),
             metrics,
             events,
-            curves: Curves::default(),
+            curves: Curves::new(kind.columns),
             stations: scenario.stations.clone(),
             timing: Timing::default(),
-            progress: Progress::new(scenario.steps(), scenario.targets.count, options.quiet),
+            progress: Progress::new(kind, scenario.steps(), scenario.targets.count, options.quiet),
             watch: Stopwatch::start(),
             folder,
         })
@@ -165,16 +173,17 @@ impl Recorder {
     ///
     /// # Errors
     /// When the system refuses, as when the disk is full.
-    pub fn step(&mut self, rows: &[StepRecord], violations: u64) -> Result<(), RecordError> {
+    pub fn step(&mut self, rows: &[Row], violations: u64) -> Result<(), RecordError> {
         for row in rows {
-            self.metrics.serialize(row).map_err(|error| self.csv_error(error))?;
+            let record = metrics_file::record(self.kind.columns, row);
+            self.metrics.write_record(record).map_err(|error| self.csv_error(error))?;
             // A station's steps take next to nothing: they would make the UAVs look fast.
             if row.role == Role::Uav {
                 self.timing.add(&row.times);
             }
         }
         if let Some(point) = self.curves.add(rows) {
-            self.progress.step(&point, violations);
+            self.progress.step(point, violations);
         }
         Ok(())
     }
@@ -195,7 +204,7 @@ impl Recorder {
     pub fn finish(self, outcome: Outcome) -> Result<Finished, RecordError> {
         self.progress.clear();
         let summary = self.summarise(&outcome);
-        let Self { folder, metrics, events, curves, .. } = self;
+        let Self { folder, kind, metrics, events, curves, .. } = self;
         let path = folder.partial().join("metrics.csv");
         let file = metrics.into_inner().map_err(|e| RecordError::Csv {
             path: path.clone(),
@@ -206,7 +215,7 @@ impl Recorder {
         folder.write("links.csv", &links_csv(&outcome.links)?)?;
         folder.write("view.json", &(serde_json::to_string(&outcome.view)? + "\n"))?;
         folder.write("map.svg", &plot::map_svg(&outcome.view, 0))?;
-        folder.write("metrics.svg", &plot::metrics_svg(&summary, &curves)?)?;
+        folder.write("metrics.svg", &plot::metrics_svg(kind, &summary, &curves)?)?;
         // Last: a folder with a summary is a whole one.
         folder.write("summary.json", &summary.to_json())?;
         Ok(Finished { folder: folder.finish()?, summary })
@@ -223,10 +232,10 @@ impl Recorder {
 
     fn summarise(&self, outcome: &Outcome) -> Summary {
         let wall_s = self.watch.elapsed_s();
-        let series = &self.curves.fleet;
-        let last = series.0.last().copied().unwrap_or_default();
         let checked = outcome.checked.total();
+        let (numbers, last) = self.numbers();
         Summary {
+            mission: self.kind.name.to_owned(),
             scenario: self.scenario.clone(),
             seed: self.seed,
             agents: self.agents,
@@ -239,10 +248,8 @@ impl Recorder {
             unchecked: outcome.unchecked,
             checked: outcome.checked.clone(),
             inconsistencies: outcome.inconsistencies,
-            identified: last.identified_union,
-            all_identified_s: series.all_identified_s(self.targets),
-            means: series.second_half(),
-            last: last.means,
+            numbers,
+            last,
             stations: self.summarise_stations(&outcome.links),
             frames: outcome.frames.clone(),
             refused: outcome.refused.clone(),
@@ -256,20 +263,56 @@ impl Recorder {
         }
     }
 
+    /// The mission's own numbers: values at the end, milestones and means over the second half; and the means
+    /// at the last step.
+    fn numbers(&self) -> (Numbers, Numbers) {
+        let Self { kind, curves: Curves { fleet, .. }, targets, .. } = self;
+        let (mut numbers, mut last) = (Numbers::default(), Numbers::default());
+        for column in kind.columns {
+            if let Some(key) = column.last_as {
+                let value = fleet.last(column.key);
+                if column.is_count {
+                    numbers.push_count(key, value)
+                } else {
+                    numbers.push(key, value)
+                }
+            }
+        }
+        for milestone in kind.milestones {
+            let reached_s = fleet.reached_s(milestone.fleet, milestone.level, *targets);
+            numbers.push(milestone.key, reached_s);
+        }
+        for column in kind.columns.iter().filter(|column| column.in_summary) {
+            numbers.push(column.key, fleet.half_mean(column.key));
+            last.push(column.key, fleet.last(column.key));
+        }
+        (numbers, last)
+    }
+
     fn summarise_stations(&self, links: &[LinkRow]) -> Vec<StationSummary> {
-        let nothing = Series::default();
+        let nothing = Series::new(self.kind.columns);
         let summarise = |(agent, station): (u16, &Station)| {
             let series = self.curves.stations.get(&agent).unwrap_or(&nothing);
             let to_it = || links.iter().filter(|link| link.dst.0 == agent);
             let Station { x_m, y_m, z_m } = *station;
+            let (mut numbers, mut last) = (Numbers::default(), Numbers::default());
+            for milestone in self.kind.milestones {
+                if let Some(column) = milestone.station {
+                    let reached_s = series.reached_s(column, milestone.level, self.targets);
+                    numbers.push(milestone.key, reached_s);
+                }
+            }
+            for column in self.kind.columns.iter().filter(|column| column.of_stations) {
+                numbers.push(column.key, series.half_mean(column.key));
+                last.push(column.key, series.last(column.key));
+            }
             StationSummary {
                 agent,
                 x_m,
                 y_m,
                 z_m,
-                all_identified_s: series.identified_s(self.targets),
-                means: StationMeans::of_half(series),
-                last: series.0.last().map(StationMeans::of).unwrap_or_default(),
+                numbers,
+                last,
                 sent_to: to_it().map(|link| link.sent).sum(),
                 delivered_to: to_it().map(|link| link.delivered).sum(),
             }

@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use super::*;
 use crate::scenario::{self, Request};
+use crate::set_membership::SetMembership;
 use crate::testing::scratch;
+use csat_mission::measures::in_order;
+use csat_mission::mission::Mission;
 use csat_mission::timing::StageTimes;
 
 fn start(folder: PathBuf) -> Recorder {
@@ -15,14 +18,19 @@ fn start(folder: PathBuf) -> Recorder {
 
 fn fly(recorder: &mut Recorder) {
     for step in 0..4u32 {
-        let row = |agent: u16| StepRecord {
-            step,
-            time_s: f64::from(step) * 0.5,
-            agent,
-            unexplored_pct: 100.0 - 10.0 * f64::from(step) - 2.0 * f64::from(agent),
-            identified_union: if step >= 2 { 8 } else { 1 },
-            times: StageTimes { render: Some(2.0 + f64::from(agent)), ..StageTimes::default() },
-            ..StepRecord::default()
+        let row = |agent: u16| {
+            let unexplored_pct = 100.0 - 10.0 * f64::from(step) - 2.0 * f64::from(agent);
+            let identified = if step >= 2 { 8.0 } else { 1.0 };
+            let values =
+                [("unexplored_pct", Some(unexplored_pct)), ("identified_union", Some(identified))];
+            Row {
+                step,
+                time_s: f64::from(step) * 0.5,
+                agent,
+                values: in_order(SetMembership::KIND.columns, values),
+                times: StageTimes { render: Some(2.0 + f64::from(agent)), ..StageTimes::default() },
+                ..Row::default()
+            }
         };
         recorder.step(&[row(0), row(1)], 0).unwrap();
         recorder.event(&serde_json::json!({ "step": step, "kind": "identified" })).unwrap();
@@ -71,9 +79,10 @@ fn a_finished_run_has_every_file_and_its_numbers() {
             "view.json"
         ]
     );
-    assert_eq!(summary.means.unexplored_pct, 74.0);
-    assert_eq!(summary.last.unexplored_pct, 69.0);
-    assert_eq!((summary.identified, summary.all_identified_s), (8, Some(1.0)));
+    assert_eq!(summary.numbers.get("unexplored_pct"), Some(74.0));
+    assert_eq!(summary.last.get("unexplored_pct"), Some(69.0));
+    assert_eq!(summary.numbers.get("identified"), Some(8.0));
+    assert_eq!(summary.numbers.get("all_identified_s"), Some(1.0));
     assert_eq!(summary.timing_ms.render.median, 2.5);
     assert_eq!(summary.digest, "0000000000000abc");
     let written: Summary =
@@ -114,9 +123,10 @@ fn a_full_disk_is_an_error_that_names_the_file() {
     fs::rename(base.join("full"), recorder.partial_folder().join("metrics.csv.tmp")).unwrap();
     recorder.metrics = csv::Writer::from_writer(PartialFile::create(path).unwrap());
     let mut error = None;
-    let row = StepRecord::default();
+    let values = vec![None; SetMembership::KIND.columns.len()];
+    let row = Row { values, ..Row::default() };
     for _ in 0..10_000 {
-        error = recorder.step(&[row], 0).err();
+        error = recorder.step(std::slice::from_ref(&row), 0).err();
         if error.is_some() {
             break;
         }

@@ -1,88 +1,44 @@
 //! A mission's metrics over time, averaged over its UAVs, and those of each ground station.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-
-use csat_mission::row::Role;
-use csat_mission::row::StepRecord;
-
-/// The metrics that the summary and the plots speak of. Per cent are of the ground area.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Means {
-    /// φ(X̄), per cent.
-    pub unexplored_pct: f64,
-    /// φ(X̄ ∩ X^h), per cent.
-    pub hidden_pct: f64,
-    /// (5.42), per cent.
-    pub explored_pct: f64,
-    /// (5.40), per cent.
-    pub footprint_pct: f64,
-    /// (5.41), per cent.
-    pub ground_seen_pct: f64,
-    /// (5.36), metres.
-    pub localization_error_m: Option<f64>,
-    /// (5.38), metres.
-    pub target_radius_m: Option<f64>,
-    /// (5.45), per cent.
-    pub oem_iou_pct: Option<f64>,
-}
+use csat_mission::measures::{Column, Level, Of, index_of};
+use csat_mission::row::{Role, Row};
 
 /// One step of a mission, of its UAVs or of a station.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Point {
     /// Simulated time, seconds.
     pub time_s: f64,
-    /// Mean of card(L_i).
-    pub identified: f64,
-    /// card(∪ L_i).
-    pub identified_union: u16,
-    /// Targets in the footprint of at least one UAV.
-    pub targets_in_fov: u16,
-    /// Targets that at least one CVS identified in this step.
-    pub targets_detected: u16,
-    /// How old news of UAVs are, mean, seconds.
-    pub news_age_s: Option<f64>,
-    /// The rest, averaged over the agents that have a value.
-    pub means: Means,
+    /// By column: of an agent's, the mean over the agents that have a value; of the fleet's, the value.
+    pub values: Vec<Option<f64>>,
 }
 
 impl Point {
     /// Of the UAVs in the rows of one step; `None` if there are none.
-    pub fn of(rows: &[StepRecord]) -> Option<Self> {
+    pub fn of(columns: &[Column], rows: &[Row]) -> Option<Self> {
         // Those of the stations are the last ones.
-        Self::mean(&rows[..rows.partition_point(|row| row.role == Role::Uav)])
+        Self::mean(columns, &rows[..rows.partition_point(|row| row.role == Role::Uav)])
     }
 
     /// The mean of rows of one step.
-    fn mean(rows: &[StepRecord]) -> Option<Self> {
+    fn mean(columns: &[Column], rows: &[Row]) -> Option<Self> {
         let first = rows.first()?;
-        let mean =
-            |value: fn(&StepRecord) -> f64| rows.iter().map(value).sum::<f64>() / rows.len() as f64;
-        Some(Self {
-            time_s: first.time_s,
-            identified: mean(|r| f64::from(r.identified)),
-            identified_union: first.identified_union,
-            targets_in_fov: first.targets_in_fov,
-            targets_detected: first.targets_detected,
-            news_age_s: some_mean(rows.iter().map(|r| r.news_age_s)),
-            means: Means {
-                unexplored_pct: mean(|r| r.unexplored_pct),
-                hidden_pct: mean(|r| r.hidden_pct),
-                explored_pct: mean(|r| r.explored_pct),
-                footprint_pct: mean(|r| r.footprint_pct),
-                ground_seen_pct: mean(|r| r.ground_seen_pct),
-                localization_error_m: some_mean(rows.iter().map(|r| r.localization_error_m)),
-                target_radius_m: some_mean(rows.iter().map(|r| r.target_radius_m)),
-                oem_iou_pct: some_mean(rows.iter().map(|r| r.oem_iou_pct)),
-            },
-        })
+        let value = |(index, column): (usize, &Column)| match column.of {
+            Of::Fleet => first.values[index],
+            Of::Agent => mean(rows.iter().map(|row| row.values[index])),
+        };
+        Some(Self { time_s: first.time_s, values: columns.iter().enumerate().map(value).collect() })
+    }
+
+    /// A value by the key of its column; `None` if it is not defined.
+    pub fn get(&self, columns: &[Column], key: &str) -> Option<f64> {
+        self.values.get(index_of(columns, key)?).copied().flatten()
     }
 }
 
 /// The mean of the values there are.
-fn some_mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+fn mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let (mut count, mut sum) = (0.0, 0.0);
     for value in values.flatten() {
         count += 1.0;
@@ -92,8 +48,10 @@ fn some_mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
 }
 
 /// The curves of a mission.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone)]
 pub struct Curves {
+    /// What is measured.
+    pub columns: &'static [Column],
     /// Of its UAVs, mean.
     pub fleet: Series,
     /// Of each ground station, by agent.
@@ -101,30 +59,26 @@ pub struct Curves {
 }
 
 impl Curves {
-    /// Adds the rows of one step and gives the fleet's point.
-    pub fn add(&mut self, rows: &[StepRecord]) -> Option<Point> {
-        for row in rows.iter().filter(|row| row.role == Role::Station) {
-            let point = Point::mean(std::slice::from_ref(row));
-            self.stations.entry(row.agent).or_default().0.extend(point);
-        }
-        let point = Point::of(rows);
-        self.fleet.0.extend(point);
-        point
+    /// Before the first step.
+    pub fn new(columns: &'static [Column]) -> Self {
+        Self { columns, fleet: Series::new(columns), stations: BTreeMap::new() }
     }
 
-    /// From a `metrics.csv`.
-    ///
-    /// # Errors
-    /// When it cannot be read or is none.
-    pub fn read(path: &Path) -> Result<Self, csv::Error> {
-        let rows: Result<Vec<StepRecord>, csv::Error> =
-            csv::Reader::from_path(path)?.deserialize().collect();
-        Ok(Self::from_rows(&rows?))
+    /// Adds the rows of one step and gives the fleet's point.
+    pub fn add(&mut self, rows: &[Row]) -> Option<&Point> {
+        for row in rows.iter().filter(|row| row.role == Role::Station) {
+            let point = Point::mean(self.columns, std::slice::from_ref(row));
+            let series = self.stations.entry(row.agent);
+            series.or_insert_with(|| Series::new(self.columns)).points.extend(point);
+        }
+        let point = Point::of(self.columns, rows)?;
+        self.fleet.points.push(point);
+        self.fleet.points.last()
     }
 
     /// From the rows of `metrics.csv`, in order.
-    pub fn from_rows(rows: &[StepRecord]) -> Self {
-        let mut curves = Self::default();
+    pub fn from_rows(columns: &'static [Column], rows: &[Row]) -> Self {
+        let mut curves = Self::new(columns);
         for step in rows.chunk_by(|a, b| a.step == b.step) {
             curves.add(step);
         }
@@ -133,67 +87,79 @@ impl Curves {
 }
 
 /// Points, step by step.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Series(pub Vec<Point>);
+#[derive(Debug, Clone)]
+pub struct Series {
+    columns: &'static [Column],
+    /// In order of time.
+    pub points: Vec<Point>,
+}
 
 impl Series {
-    /// The points of the second half of the flown time: t = 150..300 s of the thesis's missions.
-    pub fn half(&self) -> impl Iterator<Item = &Point> {
-        let half_s = self.0.last().map_or(0.0, |p| p.time_s / 2.0);
-        self.0.iter().filter(move |p| p.time_s >= half_s)
+    /// Without points.
+    pub fn new(columns: &'static [Column]) -> Self {
+        Self { columns, points: Vec::new() }
     }
 
-    /// Means over the second half of the flown time: what thesis tables 5.3-5.6 give for
-    /// t = 150..300 s.
-    pub fn second_half(&self) -> Means {
-        let half: Vec<Means> = self.half().map(|p| p.means).collect();
-        let mean = |value: fn(&Means) -> f64| {
-            some_mean(half.iter().map(|m| Some(value(m)))).unwrap_or_default()
+    /// The time of the last point, seconds; 0 without points.
+    pub fn end_s(&self) -> f64 {
+        self.points.last().map_or(0.0, |point| point.time_s)
+    }
+
+    /// The times and values of a column.
+    pub fn of<'a>(&'a self, key: &str) -> impl Iterator<Item = (f64, Option<f64>)> + use<'a> {
+        let index = index_of(self.columns, key);
+        let value = move |point: &Point| point.values.get(index?).copied().flatten();
+        self.points.iter().map(move |point| (point.time_s, value(point)))
+    }
+
+    /// The values of a column in the second half of the flown time: t = 150..300 s of the thesis's missions.
+    pub fn half<'a>(&'a self, key: &str) -> impl Iterator<Item = Option<f64>> + use<'a> {
+        let half_s = self.end_s() / 2.0;
+        self.of(key).filter(move |(time_s, _)| *time_s >= half_s).map(|(_, value)| value)
+    }
+
+    /// The mean of a column over the second half of the flown time: what thesis tables 5.3-5.6 give.
+    pub fn half_mean(&self, key: &str) -> Option<f64> {
+        mean(self.half(key))
+    }
+
+    /// The value of a column at the last step.
+    pub fn last(&self, key: &str) -> Option<f64> {
+        self.points.last()?.get(self.columns, key)
+    }
+
+    /// When a column reached a level for the first time, where there are `targets` targets; `None` if never.
+    pub fn reached_s(&self, key: &str, level: Level, targets: u16) -> Option<f64> {
+        let level = match level {
+            Level::Targets if targets == 0 => return None,
+            Level::Targets => f64::from(targets),
+            Level::Value(value) => value,
         };
-        Means {
-            unexplored_pct: mean(|m| m.unexplored_pct),
-            hidden_pct: mean(|m| m.hidden_pct),
-            explored_pct: mean(|m| m.explored_pct),
-            footprint_pct: mean(|m| m.footprint_pct),
-            ground_seen_pct: mean(|m| m.ground_seen_pct),
-            localization_error_m: some_mean(half.iter().map(|m| m.localization_error_m)),
-            target_radius_m: some_mean(half.iter().map(|m| m.target_radius_m)),
-            oem_iou_pct: some_mean(half.iter().map(|m| m.oem_iou_pct)),
-        }
-    }
-
-    /// The mean of a value over the second half of the flown time.
-    pub fn half_mean(&self, value: fn(&Point) -> Option<f64>) -> Option<f64> {
-        some_mean(self.half().map(value))
-    }
-
-    /// When a station had identified all of `targets` targets; never where there are none.
-    pub fn identified_s(&self, targets: u16) -> Option<f64> {
-        let all = self.0.iter().find(|p| targets > 0 && p.identified >= f64::from(targets));
-        all.map(|p| p.time_s)
-    }
-
-    /// When the fleet had identified all of `targets` targets; never where there are none.
-    pub fn all_identified_s(&self, targets: u16) -> Option<f64> {
-        let mut points = self.0.iter().filter(|_| targets > 0);
-        points.find(|p| p.identified_union >= targets).map(|p| p.time_s)
+        let reached = |(_, value): &(f64, Option<f64>)| value.is_some_and(|value| value >= level);
+        self.of(key).find(reached).map(|(time_s, _)| time_s)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use csat_mission::measures::in_order;
 
-    fn row(step: u32, agent: u16, unexplored_pct: f64, error: Option<f64>) -> StepRecord {
-        StepRecord {
-            step,
-            time_s: f64::from(step) * 0.5,
-            agent,
-            unexplored_pct,
-            localization_error_m: error,
-            identified_union: step as u16,
-            ..StepRecord::default()
-        }
+    const COLUMNS: &[Column] = &[
+        Column::of_agent("unexplored_pct", "unexplored", "%"),
+        Column::of_agent("error_m", "error", "m"),
+        Column::of_agent("age_s", "age", "s"),
+        Column::of_fleet("identified", "identified", "targets"),
+    ];
+
+    fn row(step: u32, agent: u16, unexplored_pct: f64, error_m: Option<f64>) -> Row {
+        let values = [
+            ("unexplored_pct", Some(unexplored_pct)),
+            ("error_m", error_m),
+            ("identified", Some(f64::from(step))),
+        ];
+        let time_s = f64::from(step) * 0.5;
+        Row { step, time_s, agent, values: in_order(COLUMNS, values), ..Row::default() }
     }
 
     #[test]
@@ -208,25 +174,25 @@ mod tests {
             row(3, 0, 10.0, None),
             row(3, 1, 30.0, Some(4.0)),
         ];
-        let series = Curves::from_rows(&rows).fleet;
-        assert_eq!(series.0.len(), 4);
+        let series = Curves::from_rows(COLUMNS, &rows).fleet;
+        assert_eq!(series.points.len(), 4);
         // Steps 2 and 3 are at 1.0 s and 1.5 s; half of the last time is 0.75 s.
-        let means = series.second_half();
-        assert_eq!(means.unexplored_pct, 25.0);
-        assert_eq!(means.localization_error_m, Some(3.0));
-        assert_eq!(means.oem_iou_pct, None);
-        assert_eq!(series.all_identified_s(2), Some(1.0));
-        assert_eq!(series.all_identified_s(4), None);
-        assert_eq!(series.all_identified_s(0), None, "no time at which none were found");
-        assert_eq!(Series::default().second_half(), Means::default());
+        assert_eq!(series.half_mean("unexplored_pct"), Some(25.0));
+        assert_eq!(series.half_mean("error_m"), Some(3.0));
+        assert_eq!((series.half_mean("age_s"), series.half_mean("none")), (None, None));
+        let reached_s = |targets| series.reached_s("identified", Level::Targets, targets);
+        assert_eq!((reached_s(2), reached_s(4)), (Some(1.0), None));
+        assert_eq!(reached_s(0), None, "no time at which none were found");
+        assert_eq!(series.reached_s("error_m", Level::Value(3.5), 2), Some(0.5));
+        assert_eq!(Series::new(COLUMNS).half_mean("unexplored_pct"), None, "not 0");
     }
 
     #[test]
     fn a_station_has_a_curve_of_its_own() {
-        let station = |step, unexplored_pct| StepRecord {
-            role: Role::Station,
-            news_age_s: Some(unexplored_pct / 10.0),
-            ..row(step, 2, unexplored_pct, None)
+        let station = |step, unexplored_pct| {
+            let mut row = Row { role: Role::Station, ..row(step, 2, unexplored_pct, None) };
+            row.values[2] = Some(unexplored_pct / 10.0);
+            row
         };
         // In real time an agent may miss a step.
         let rows = [
@@ -236,14 +202,14 @@ mod tests {
             station(1, 90.0),
             row(2, 0, 40.0, None),
         ];
-        let curves = Curves::from_rows(&rows);
+        let curves = Curves::from_rows(COLUMNS, &rows);
         let unexplored = |series: &Series| -> Vec<f64> {
-            series.0.iter().map(|point| point.means.unexplored_pct).collect()
+            series.of("unexplored_pct").filter_map(|(_, value)| value).collect()
         };
         assert_eq!(unexplored(&curves.fleet), [70.0, 40.0]);
         assert_eq!(curves.stations.keys().collect::<Vec<_>>(), [&2]);
         assert_eq!(unexplored(&curves.stations[&2]), [100.0, 90.0]);
-        assert_eq!(curves.stations[&2].half_mean(|point| point.news_age_s), Some(9.0));
-        assert_eq!(curves.fleet.half_mean(|point| point.news_age_s), None);
+        assert_eq!(curves.stations[&2].half_mean("age_s"), Some(9.0));
+        assert_eq!(curves.fleet.half_mean("age_s"), None);
     }
 }

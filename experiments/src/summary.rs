@@ -2,18 +2,24 @@
 
 use std::collections::BTreeMap;
 
+use csat_mission::measures::{Column, Level};
+use csat_mission::mission::Kind;
 use csat_world::truth::CheckCounts;
 use serde::{Deserialize, Serialize};
 
-use crate::series::Means;
+use crate::missions::kind;
 use crate::station::StationSummary;
 use crate::timing::TimingSummary;
+use crate::values::Numbers;
 use csat_mission::fleet::Frames;
 use csat_mission::words::named;
 
 /// A mission in numbers. Outside checks rely on these keys.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
+    /// The kind of mission.
+    #[serde(default = "first_kind")]
+    pub mission: String,
     /// Name of the scenario.
     pub scenario: String,
     /// Its seed.
@@ -43,16 +49,13 @@ pub struct Summary {
     pub checked: CheckCounts,
     /// Sets that turned out empty: an assumption failed or somebody lied.
     pub inconsistencies: u64,
-    /// card(∪ L_i) at the end.
-    pub identified: u16,
-    /// When all targets were identified, seconds; null if never, or if there is no target.
-    pub all_identified_s: Option<f64>,
-    /// Means over the second half of the mission and over the UAVs.
+    /// The mission's own numbers: values at the end, milestones, and means over the second half of the mission
+    /// and over the UAVs.
     #[serde(flatten)]
-    pub means: Means,
-    /// The same at the last step.
+    pub numbers: Numbers,
+    /// The means over the UAVs at the last step.
     #[serde(rename = "final")]
-    pub last: Means,
+    pub last: Numbers,
     /// What the ground stations knew, none if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stations: Vec<StationSummary>,
@@ -90,6 +93,23 @@ impl Summary {
     }
 }
 
+/// The mission of summaries from before there were several.
+pub const FIRST: &str = "set-membership";
+
+fn first_kind() -> String {
+    FIRST.to_owned()
+}
+
+/// A value with its unit, for people: a count of targets as a share of all.
+pub fn in_words(column: &Column, value: Option<f64>, targets: u16) -> String {
+    match (value, column.unit) {
+        (None, _) => "-".to_owned(),
+        (Some(value), "targets") => format!("{value}/{targets}"),
+        (Some(value), unit) if column.is_count => format!("{value} {unit}"),
+        (Some(value), unit) => format!("{value:.2} {unit}"),
+    }
+}
+
 /// What became of the messages, per receiver.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Messages {
@@ -119,40 +139,64 @@ impl Summary {
 
     /// In a few lines for a person.
     pub fn describe(&self) -> String {
-        let metres = |value: Option<f64>| value.map_or("-".to_owned(), |m| format!("{m:.2} m"));
-        let all = match self.all_identified_s {
-            Some(time_s) => format!("all after {time_s} s"),
-            None if self.targets == 0 => "no targets".to_owned(),
-            None => "not all".to_owned(),
-        };
         let ended = if self.interrupted { ", ended early by the user" } else { "" };
+        let kind = kind(&self.mission);
+        let headline = kind.map(|kind| self.headline(kind)).unwrap_or_default();
+        let means = kind.map(|kind| self.means(kind)).unwrap_or_default();
+        let stations = self.stations.iter().map(|s| s.describe(kind, self.targets));
         format!(
             "{} seed {}: {} s flown in {:.1} s ({:.1}x real time){ended}\n\
-             identified {}/{} ({all}), violations {}, inconsistencies {}\n\
-             second half: unexplored {:.2} % (hidden {:.2} %), explored {:.2} %, localisation \
-             error {}, target radius {}\n\
+             {headline}violations {}, inconsistencies {}\n{means}\
              messages by receiver: {}; {:.2} MB said; digest {}{}{}",
             self.scenario,
             self.seed,
             self.sim_s,
             self.wall_s,
             self.realtime_factor,
-            self.identified,
-            self.targets,
             self.violations_of_checks(),
             self.inconsistencies,
-            self.means.unexplored_pct,
-            self.means.hidden_pct,
-            self.means.explored_pct,
-            metres(self.means.localization_error_m),
-            metres(self.means.target_radius_m),
             self.messages.describe(),
             self.bytes_sent as f64 / 1e6,
             self.digest,
-            self.stations.iter().map(|s| s.describe(self.targets)).collect::<String>()
-                + &self.missed(),
+            stations.collect::<String>() + &self.missed(),
             self.refused(),
         )
+    }
+
+    /// What the mission had reached at the end, and when: `identified 8/8 (all after 93 s), `.
+    fn headline(&self, kind: &Kind) -> String {
+        let reached = |column: &Column| {
+            let value = self.numbers.get(column.last_as?)?;
+            let number = in_words(column, Some(value), self.targets);
+            Some(format!("{} {number}{}, ", column.name, self.milestones(kind, column.key)))
+        };
+        let columns = kind.headline.iter().filter_map(|key| kind.column(key));
+        columns.filter_map(reached).collect()
+    }
+
+    /// When a column reached what: ` (all after 93 s)`.
+    fn milestones(&self, kind: &Kind, column: &str) -> String {
+        let milestones = kind.milestones.iter().filter(|milestone| milestone.fleet == column);
+        let told = milestones.map(|m| match self.numbers.get(m.key) {
+            Some(time_s) => format!(" ({} after {time_s} s)", m.name),
+            None if m.level == Level::Targets && self.targets == 0 => " (no targets)".to_owned(),
+            None => format!(" (not {})", m.name),
+        });
+        told.collect()
+    }
+
+    /// A line of the means that sweeps show.
+    fn means(&self, kind: &Kind) -> String {
+        let shown = kind.columns.iter().filter(|c| c.in_summary && c.plot.is_some());
+        let mean = |column: &Column| {
+            let value = self.numbers.get(column.key);
+            format!("{} {}", column.name, in_words(column, value, self.targets))
+        };
+        let means: Vec<String> = shown.map(mean).collect();
+        if means.is_empty() {
+            return String::new();
+        }
+        format!("second half: {}\n", means.join(", "))
     }
 
     /// How many of the checks failed, and how many reports could not be checked.
@@ -228,7 +272,25 @@ pub(crate) mod tests {
 
     /// A summary with something in every field.
     pub(crate) fn sample() -> Summary {
+        let (mut numbers, mut last) = (Numbers::default(), Numbers::default());
+        numbers.push_count("identified", Some(8.0));
+        numbers.push("all_identified_s", Some(93.5));
+        let values = [
+            ("unexplored_pct", Some(21.5), Some(20.0)),
+            ("hidden_pct", Some(3.25), Some(3.0)),
+            ("explored_pct", Some(0.0), Some(0.0)),
+            ("footprint_pct", Some(0.0), Some(0.0)),
+            ("ground_seen_pct", Some(0.0), Some(0.0)),
+            ("localization_error_m", None, None),
+            ("target_radius_m", None, None),
+            ("oem_iou_pct", Some(74.0), None),
+        ];
+        for (key, half, end) in values {
+            numbers.push(key, half);
+            last.push(key, end);
+        }
         Summary {
+            mission: first_kind(),
             scenario: "city".into(),
             seed: 7,
             agents: 4,
@@ -241,10 +303,8 @@ pub(crate) mod tests {
             unchecked: 0,
             checked: CheckCounts::default(),
             inconsistencies: 0,
-            identified: 8,
-            all_identified_s: Some(93.5),
-            means: Means { unexplored_pct: 21.5, oem_iou_pct: Some(74.0), ..Means::default() },
-            last: Means { unexplored_pct: 20.0, ..Means::default() },
+            numbers,
+            last,
             stations: Vec::new(),
             frames: vec![Frames { shown: 601, ..Frames::default() }; 4],
             refused: BTreeMap::new(),
@@ -269,6 +329,7 @@ pub(crate) mod tests {
     fn every_promised_key_is_there() {
         let json: serde_json::Value = serde_json::from_str(&sample().to_json()).unwrap();
         for key in [
+            "mission",
             "scenario",
             "seed",
             "agents",
@@ -369,7 +430,9 @@ pub(crate) mod tests {
         let expected = "messages reached it
 warning: station 4 missed 2 of 601 steps";
         assert!(text.ends_with(expected), "{text}");
-        let early = Summary { interrupted: true, all_identified_s: None, ..sample() }.describe();
+        let mut early = Summary { interrupted: true, ..sample() };
+        early.numbers.set("all_identified_s", None);
+        let early = early.describe();
         assert!(
             early.contains("ended early by the user") && early.contains("(not all)"),
             "{early}"

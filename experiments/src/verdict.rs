@@ -4,6 +4,7 @@ use std::path::Path;
 
 use csat_world::truth::Promise;
 
+use crate::missions::kind;
 use crate::summary::Summary;
 
 /// All is well.
@@ -35,7 +36,8 @@ pub fn verdict(summary: &Summary, folder: &Path) -> Verdict {
     let times = if *violations == 1 { "once".to_owned() } else { format!("{violations} times") };
     let folder = folder.display();
     let broken = checked.iter().filter(|(_, checked)| checked.violations > 0);
-    let broken: Vec<&str> = broken.map(|(promise, _)| words_of(promise)).collect();
+    let broken: Vec<&str> =
+        broken.map(|(promise, _)| words_of(&summary.mission, promise)).collect();
     let broken = if broken.is_empty() { "see below".to_owned() } else { broken.join(", ") };
     let alarm = format!(
         "VIOLATED {times}: what is guaranteed did not hold in {scenario}, seed {seed}: {broken}\n  = see \
@@ -45,17 +47,14 @@ pub fn verdict(summary: &Summary, folder: &Path) -> Verdict {
     Verdict { code: VIOLATED, alarm: Some(alarm) }
 }
 
-/// What happens when a promise is broken.
-fn words_of(promise: Promise) -> &'static str {
-    match promise {
-        Promise::Guarantee => "a target outside the set of an agent",
-        Promise::ObstacleDistance => "a car too close to a wall",
-        Promise::TargetDistance => "cars too close to each other",
-        Promise::OutsideRegion => "a car outside the region",
-        Promise::Speed => "a car too fast",
-        Promise::BuildingDistance => "a UAV too close to a building",
-        Promise::MessageConservation => "a message unaccounted for",
-    }
+/// What happens when a promise is broken, in words.
+fn words_of<'a>(mission: &str, promise: &'a str) -> &'a str {
+    let of_world = Promise::ALL.into_iter().find(|p| p.key() == promise).map(Promise::broken);
+    let of_mission = || {
+        let promises = kind(mission)?.promises.iter();
+        promises.clone().find(|p| p.key == promise).map(|p| p.broken)
+    };
+    of_world.or_else(of_mission).unwrap_or(promise)
 }
 
 #[cfg(test)]

@@ -9,8 +9,12 @@ use std::path::Path;
 use common::docs::root;
 use common::{csat, json, read, scratch, small_run, text};
 use csat_agent::agent::Event;
-use csat_experiments::mission::ViolationLine;
+use csat_experiments::flight::ViolationLine;
 use csat_experiments::outputs::{File, files};
+use csat_experiments::set_membership::SetMembership;
+use csat_experiments::set_membership::judge::GUARANTEE;
+use csat_mission::judge;
+use csat_mission::mission::Mission;
 use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::time::Step;
 use csat_world::truth::{Fault, MessageCounts, Promise, Violation};
@@ -60,7 +64,6 @@ fn broken(promise: Promise) -> Fault {
     let (target, location) = (TargetId(1), [1.0, 2.0]);
     let (distance_m, limit_m) = (1.0, 2.5);
     match promise {
-        Promise::Guarantee => Fault::Guarantee { agent: AgentId(0), target, location },
         Promise::ObstacleDistance => {
             Fault::ObstacleDistance { target, obstacle: 3, distance_m, limit_m }
         }
@@ -92,10 +95,21 @@ fn written() -> Vec<(&'static str, BTreeSet<String>)> {
         event_keys(&serde_json::from_str(line).expect(line), &mut events);
     }
     for promise in Promise::ALL {
-        let violation = Violation { step: Step(3), fault: broken(promise) };
+        let violation = Violation { step: Step(3), fault: broken(promise) }.into();
         let line = serde_json::to_value(ViolationLine::new(&violation, 1.5)).unwrap();
         event_keys(&line, &mut events);
     }
+    let everywhere =
+        [("target".to_owned(), 1.into()), ("location".to_owned(), vec![1.0, 2.0].into())];
+    let outside = judge::Violation {
+        step: Step(3),
+        fault: judge::Fault::Mission(judge::Broken {
+            promise: GUARANTEE,
+            agent: AgentId(0),
+            detail: everywhere.into_iter().collect(),
+        }),
+    };
+    event_keys(&serde_json::to_value(ViolationLine::new(&outside, 1.5)).unwrap(), &mut events);
     let inconsistent = Event::Inconsistent { step: Step(3), target: TargetId(0) };
     let mut line = serde_json::to_value(inconsistent).unwrap();
     line["agent"] = 0.into();
@@ -112,7 +126,7 @@ fn written() -> Vec<(&'static str, BTreeSet<String>)> {
 
 #[test]
 fn what_is_written_is_described_and_what_is_described_is_written() {
-    let described = files();
+    let described = files(&SetMembership::KIND);
     let mut complaints = Vec::new();
     for (name, keys) in written() {
         let file: &File = described.iter().find(|file| file.name == name).expect(name);
@@ -140,7 +154,7 @@ fn columns_are_in_the_order_of_their_description() {
     );
     assert_eq!(alone.status.code(), Some(0), "{}", text(&alone.stderr));
     for name in ["metrics.csv", "links.csv"] {
-        let file = files().into_iter().find(|file| file.name == name).unwrap();
+        let file = files(&SetMembership::KIND).into_iter().find(|file| file.name == name).unwrap();
         let expected: Vec<String> = file.fields.into_iter().map(|field| field.key).collect();
         // One agent has no links: the table has its head all the same.
         for run in ["one", "two"] {
@@ -152,8 +166,12 @@ fn columns_are_in_the_order_of_their_description() {
 
 #[test]
 fn the_document_has_the_descriptions() {
-    let document = read(&root().join("docs/outputs.md"));
-    for file in files() {
+    let path = root().join("docs/outputs.md");
+    if std::env::var_os("CSAT_WRITE_DOCS").is_some() {
+        write_tables(&path);
+    }
+    let document = read(&path);
+    for file in files(&SetMembership::KIND) {
         let heading = format!("\n## `{}`\n", file.name);
         let (_, rest) = document.split_once(&heading).unwrap_or_else(|| panic!("no {heading}"));
         let section = rest.split("\n## ").next().unwrap_or_default();
@@ -193,4 +211,17 @@ fn links_account_for_their_bytes() {
             assert!(arrived > 0 && (arrived == sent) == is_perfect && arrived <= sent, "{row:?}");
         }
     }
+}
+
+/// Puts the tables into the document: after a change of columns, `CSAT_WRITE_DOCS=1 cargo test --test outputs`.
+fn write_tables(path: &Path) {
+    let mut document = read(path);
+    for file in files(&SetMembership::KIND) {
+        let heading = format!("\n## `{}`\n", file.name);
+        let section = document.find(&heading).unwrap_or_else(|| panic!("no {heading}"));
+        let from = section + document[section..].find("\n|").expect("a table") + 1;
+        let to = document[from..].find("\n\n").map_or(document.len(), |end| from + end + 1);
+        document.replace_range(from..to, &file.markdown());
+    }
+    std::fs::write(path, document).unwrap();
 }

@@ -34,7 +34,7 @@ fn a_recording_plays_in_a_browser() {
     assert_eq!(text(&mut browser, "title"), "city-storm · seed 1");
     assert_eq!(text(&mut browser, "violations"), "0");
     assert_eq!(browser.value("document.querySelectorAll('#agents button').length"), 3);
-    assert_eq!(browser.value("document.querySelectorAll('.curve canvas').length"), 6);
+    assert_eq!(browser.value("document.querySelectorAll('.curve canvas').length"), 5);
     shot(&mut browser, "small-end");
 
     layers_can_be_switched(&mut browser);

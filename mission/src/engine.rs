@@ -8,17 +8,18 @@ use csat_netem::counters::{Counters, LinkCounters};
 use csat_netem::link::{Arrival, LinkId};
 use csat_netem::propagation::Obstruction;
 use csat_proto::agent::Agent;
-use csat_proto::ids::{AgentId, Incarnation, TargetId};
+use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::{SimTime, Step};
 use csat_world::radio::Buildings;
 use csat_world::target::TargetTruth;
-use csat_world::truth::{Knowledge, MessageCounts, Monitor, Violation};
+use csat_world::truth::{CheckCounts, Checked, MessageCounts, Monitor};
 use csat_world::world::World;
 use serde::Serialize;
 use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::fleet::{Brief, Fleet, Frames};
 pub use crate::fleet::{Flown, Passage};
+use crate::judge::{Broken, Fault, Judge, Judged, Violation};
 use crate::local::LocalFleet;
 use crate::mission::{Detail, Mission, Tally};
 use crate::node::Node;
@@ -59,7 +60,7 @@ pub struct StepTrace<M: Mission> {
     pub passages: Vec<Passage>,
     /// What arrived, in the order of arrival.
     pub arrivals: Vec<Arrival>,
-    /// What the monitor found.
+    /// What the monitor and the judge found.
     pub violations: Vec<Violation>,
 }
 
@@ -106,6 +107,11 @@ pub struct Engine<M: Mission, F = LocalFleet<M>> {
     ended: Tally,
     crashes: Vec<OutageConfig>,
     monitor: Monitor,
+    judge: M::Judge,
+    /// What the judge checked.
+    judged: CheckCounts,
+    /// Reports that came after the truth of their step was forgotten.
+    unchecked: u64,
     /// Where targets were.
     truths: VecDeque<(Step, Vec<TargetTruth>)>,
     seed: u64,
@@ -168,6 +174,9 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             tallies: vec![Tally::default(); count],
             ended: Tally::default(),
             monitor: world.monitor(),
+            judge: mission.judge(),
+            judged: CheckCounts::default(),
+            unchecked: 0,
             truths: VecDeque::new(),
             crashes: netem.crashes().cloned().collect(),
             mission,
@@ -235,9 +244,16 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         self.fleet.refused()
     }
 
-    /// The monitor.
-    pub fn monitor(&self) -> &Monitor {
-        &self.monitor
+    /// All checks so far, by promise: the monitor's and the judge's.
+    pub fn checked(&self) -> CheckCounts {
+        let mut checked = self.judged.clone();
+        checked.add_all(self.monitor.counts());
+        checked
+    }
+
+    /// How many reports of agents came too late to be judged so far.
+    pub fn unchecked(&self) -> u64 {
+        self.unchecked
     }
 
     /// Hash of every agent's state at every step so far.
@@ -321,17 +337,11 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         }
     }
 
-    /// Asks the monitor about the world and about what each agent told; who does not run claims
+    /// Lets the monitor check the world and the judge each report. An agent that does not run claims
     /// nothing.
     fn watch(&mut self, step: Step, flown: &[Flown<M>]) -> Vec<Violation> {
-        struct Told<'a, M: Mission>(&'a M, &'a M::Report);
-        impl<M: Mission> Knowledge for Told<'_, M> {
-            fn admits(&self, target: TargetId, location: [f64; 2], tolerance_m: f64) -> bool {
-                self.0.admits(self.1, target, location, tolerance_m)
-            }
-        }
         let targets = self.world.targets();
-        let mut found = self.monitor.check(step, &[], targets);
+        let mut found = self.monitor.check(step, targets);
         // Ground stations stand beside buildings, or on them.
         let uavs = usize::from(self.world.config().fleet.count);
         found.extend(self.monitor.check_flights(step, &self.world.poses()[..uavs]));
@@ -339,16 +349,11 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         if self.truths.len() > MAX_TRUTHS {
             self.truths.pop_front();
         }
+        let mut found: Vec<Violation> = found.into_iter().map(Violation::from).collect();
         for flown in flown {
-            let Some(report) = &flown.report else { continue };
-            let known = self.mission.step(report);
-            let Some(targets) = truth_at(&self.truths, known) else {
-                tracing::warn!(agent = %flown.agent, %known, %step, "a report too late to check");
-                self.monitor.miss_agent();
-                continue;
-            };
-            let told = Told(&self.mission, report);
-            found.extend(self.monitor.check_agent(known, flown.agent, &told, targets));
+            if let Some(report) = &flown.report {
+                found.extend(self.judge_report(step, flown.agent, report));
+            }
         }
         let counters = self.fleet.counters();
         let counts = MessageCounts {
@@ -358,8 +363,27 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             dropped: counters.dropped.values().sum(),
             in_flight: counters.in_flight,
         };
-        found.extend(self.monitor.check_messages(step, counts));
+        found.extend(self.monitor.check_messages(step, counts).map(Violation::from));
         found
+    }
+
+    /// Holds a report against the truth at its step.
+    fn judge_report(&mut self, now: Step, agent: AgentId, report: &M::Report) -> Vec<Violation> {
+        let step = self.mission.step(report);
+        let Some(targets) = truth_at(&self.truths, step) else {
+            tracing::warn!(%agent, %step, %now, "a report too late to check");
+            self.unchecked += 1;
+            return Vec::new();
+        };
+        let Judged { checks, faults } = self.judge.judge(agent, report, targets);
+        for (promise, checks) in checks {
+            self.judged.add(promise, Checked { checks, violations: 0 });
+        }
+        let violation = |fault: Broken| {
+            self.judged.add(fault.promise, Checked { checks: 0, violations: 1 });
+            Violation { step, fault: Fault::Mission(fault) }
+        };
+        faults.into_iter().map(violation).collect()
     }
 }
 

@@ -7,7 +7,8 @@
 //! | [`fleet`] | the agents of a mission, wherever they are |
 //! | [`local`] | the fleet of one process, in virtual time |
 //! | [`node`] | one agent and the links to it |
-//! | [`row`] | one agent at one step, in numbers |
+//! | [`measures`], [`row`] | what is measured: columns, and one agent at one step |
+//! | [`judge`] | what a mission promises, and its checks |
 //! | [`picture`], [`shape`] | what there is to draw of an agent's knowledge |
 //! | [`documents`] | an agent's step as JSON documents |
 //! | [`timing`], [`stages`] | the only clock |
@@ -16,7 +17,9 @@
 pub mod documents;
 pub mod engine;
 pub mod fleet;
+pub mod judge;
 pub mod local;
+pub mod measures;
 pub mod mission;
 pub mod node;
 pub mod picture;

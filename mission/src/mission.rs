@@ -7,18 +7,18 @@ use std::fmt::Debug;
 use csat_proto::agent::Agent;
 use csat_proto::camera::CameraModel;
 use csat_proto::command::YawCommand;
-use csat_proto::ids::{AgentId, Incarnation, TargetId};
-use csat_proto::region::Region;
+use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::Step;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::documents::{AgentStep, Document};
+use crate::judge::{Judge, Promise};
+use crate::measures::{Column, Measures, Milestone, Panel};
 use crate::picture::Knowledge;
-use crate::row::StepRecord;
 
-/// What distinguishes one kind of mission from another: the agent's mind, what it reports, what the
-/// monitor holds against the truth, and what is measured and drawn.
+/// What distinguishes one kind of mission from another: the agent, what it reports, what is promised and
+/// judged, and what is measured and drawn.
 ///
 /// Agents may live in other processes, so whoever observes them knows their [`Report`](Self::Report)
 /// and nothing else.
@@ -28,6 +28,15 @@ pub trait Mission: Clone + Send + Sync + 'static {
 
     /// What an agent's observers get to know of it at the end of a step.
     type Report: Debug + Serialize + DeserializeOwned + Send + Sync + 'static;
+
+    /// What holds its reports against the truth.
+    type Judge: Judge<Self::Report>;
+
+    /// What measures it.
+    type Measures: Measures<Self::Report>;
+
+    /// What tools know of the mission without flying it.
+    const KIND: Kind;
 
     /// The agent of a UAV or a ground station at the start of one of its lives.
     fn agent(&self, id: AgentId, incarnation: Incarnation) -> Self::Agent;
@@ -41,21 +50,14 @@ pub trait Mission: Clone + Send + Sync + 'static {
     /// The step that a report's knowledge is of.
     fn step(&self, report: &Self::Report) -> Step;
 
-    /// The monitor's question: does what the agent knows admit that `target` is at `location`
-    /// (`world`, metres) or within `tolerance_m` of it?
-    fn admits(
-        &self,
-        report: &Self::Report,
-        target: TargetId,
-        location: [f64; 2],
-        tolerance_m: f64,
-    ) -> bool;
+    /// The judge of a run.
+    fn judge(&self) -> Self::Judge;
 
-    /// Fills in an agent's own part of a row of metrics; `truth` holds the targets' locations.
-    fn measure(&self, report: &Self::Report, truth: &[[f64; 2]], row: &mut StepRecord);
+    /// What measures a run.
+    fn measures(&self) -> Self::Measures;
 
-    /// What the agent watches at this step, for (5.40)-(5.42) and figure 5.9.
-    fn watched<'a>(&self, report: &'a Self::Report) -> Watched<'a>;
+    /// F ∩ {z = 0} of the agent's last frame, `world`, metres; empty without one.
+    fn footprint(&self, report: &Self::Report) -> Vec<[f64; 2]>;
 
     /// What the agent knows, to be drawn.
     fn view(&self, report: &Self::Report) -> Knowledge;
@@ -100,15 +102,26 @@ impl Tally {
     }
 }
 
-/// What an agent watches at one step.
-#[derive(Debug, Clone, Default)]
-pub struct Watched<'a> {
-    /// F ∩ {z = 0}, `world`, metres; empty without a camera.
-    pub footprint: Vec<[f64; 2]>,
-    /// C, the ground it sees.
-    pub clear_ground: Option<&'a Region>,
-    /// L_i.
-    pub identified: Vec<TargetId>,
-    /// D_i.
-    pub detected: Vec<TargetId>,
+/// What tools know of a kind of mission without flying one.
+#[derive(Debug, Clone, Copy)]
+pub struct Kind {
+    /// Its name, the `mission` of scenarios.
+    pub name: &'static str,
+    /// What is measured.
+    pub columns: &'static [Column],
+    /// The columns that a line for people begins with.
+    pub headline: &'static [&'static str],
+    /// Instants that the summary has.
+    pub milestones: &'static [Milestone],
+    /// What is drawn over time.
+    pub panels: &'static [Panel],
+    /// What is promised.
+    pub promises: &'static [Promise],
+}
+
+impl Kind {
+    /// A column by its key.
+    pub fn column(&self, key: &str) -> Option<&'static Column> {
+        self.columns.iter().find(|column| column.key == key)
+    }
 }

@@ -2,9 +2,9 @@
 
 use csat_agent::estimate::state::Knowledge;
 use csat_agent::sense::Measured;
+use csat_experiments::set_membership::judge::TOLERANCE_M;
 use csat_proto::oem::OemCell;
 use csat_world::target::TargetTruth;
-use csat_world::truth::GUARANTEE_TOLERANCE_M;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -19,7 +19,7 @@ pub const ROUNDING_M: f64 = 2e-5;
 pub fn broken(knowledge: &Knowledge, targets: &[TargetTruth]) -> Vec<(TargetTruth, f64)> {
     let distance = |t: &TargetTruth| knowledge.set_of(t.id).region().distance_m(t.location);
     let all = targets.iter().map(|t| (*t, distance(t)));
-    all.filter(|(_, distance)| *distance > GUARANTEE_TOLERANCE_M).collect()
+    all.filter(|(_, distance)| *distance > TOLERANCE_M).collect()
 }
 
 /// How much a frame had to say: a test whose frames say nothing proves nothing.

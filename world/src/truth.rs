@@ -1,5 +1,5 @@
-//! The monitor: checks from outside the agents, at every step of every run, that what the theory
-//! promises and what it presumes both hold (docs/concepts/guarantee.md).
+//! The monitor of the world: checks at every step of every run that what the theory presumes of cars, UAVs
+//! and messages holds (docs/concepts/guarantee.md). What a mission promises of its agents, its judge checks.
 
 use std::collections::BTreeMap;
 
@@ -13,21 +13,11 @@ use crate::obstacle::{Obstacle, Walls};
 use crate::plane::{between, distance_m};
 use crate::target::TargetTruth;
 
-/// ε of the guarantee, metres.
-pub const GUARANTEE_TOLERANCE_M: f64 = 1e-3;
-
 /// Allowance for rounding in speeds, metres per check.
 const SPEED_TOLERANCE_M: f64 = 1e-9;
 
 /// Ways of UAVs are checked point by point, metres.
 const WAY_STEP_M: f64 = 0.5;
-
-/// What an agent knows, as far as the guarantee goes.
-pub trait Knowledge {
-    /// Whether what the agent knows admits that `target` is at `location` (`world`, metres) or
-    /// within `tolerance_m` of it: in X_ij if it knows the target, else in X̄_i.
-    fn admits(&self, target: TargetId, location: [f64; 2], tolerance_m: f64) -> bool;
-}
 
 /// How many messages there were so far, for the conservation law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -57,15 +47,6 @@ impl MessageCounts {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Fault {
-    /// An agent has ruled out where a target is.
-    Guarantee {
-        /// The agent.
-        agent: AgentId,
-        /// The target.
-        target: TargetId,
-        /// Where it is.
-        location: [f64; 2],
-    },
     /// A target is too near to an obstacle (3.8).
     ObstacleDistance {
         /// The target.
@@ -132,11 +113,8 @@ pub struct Violation {
 }
 
 /// A kind of promise that is checked; each [`Fault`] breaks one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Promise {
-    /// [`Fault::Guarantee`]: checked for every agent that reports and every target.
-    Guarantee,
     /// [`Fault::ObstacleDistance`]: checked for every target, against all obstacles at once.
     ObstacleDistance,
     /// [`Fault::TargetDistance`]: checked for every pair of targets.
@@ -153,8 +131,7 @@ pub enum Promise {
 
 impl Promise {
     /// All of them.
-    pub const ALL: [Self; 7] = [
-        Self::Guarantee,
+    pub const ALL: [Self; 6] = [
         Self::ObstacleDistance,
         Self::TargetDistance,
         Self::OutsideRegion,
@@ -164,11 +141,36 @@ impl Promise {
     ];
 }
 
+impl Promise {
+    /// Its key below `checked` of the summary.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::ObstacleDistance => "obstacle_distance",
+            Self::TargetDistance => "target_distance",
+            Self::OutsideRegion => "outside_region",
+            Self::Speed => "speed",
+            Self::BuildingDistance => "building_distance",
+            Self::MessageConservation => "message_conservation",
+        }
+    }
+
+    /// What happens when it is broken, in words.
+    pub fn broken(self) -> &'static str {
+        match self {
+            Self::ObstacleDistance => "a car too close to a wall",
+            Self::TargetDistance => "cars too close to each other",
+            Self::OutsideRegion => "a car outside the region",
+            Self::Speed => "a car too fast",
+            Self::BuildingDistance => "a UAV too close to a building",
+            Self::MessageConservation => "a message unaccounted for",
+        }
+    }
+}
+
 impl Fault {
     /// What it breaks.
     pub fn promise(&self) -> Promise {
         match self {
-            Self::Guarantee { .. } => Promise::Guarantee,
             Self::ObstacleDistance { .. } => Promise::ObstacleDistance,
             Self::TargetDistance { .. } => Promise::TargetDistance,
             Self::OutsideRegion { .. } => Promise::OutsideRegion,
@@ -188,14 +190,30 @@ pub struct Checked {
     pub violations: u64,
 }
 
-/// What was checked so far, by promise; a promise that was never checked is not there.
+/// What was checked so far, by the key of the promise; a promise that was never checked is not there.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct CheckCounts(BTreeMap<Promise, Checked>);
+pub struct CheckCounts(BTreeMap<String, Checked>);
 
 impl CheckCounts {
+    /// Takes note of checks.
+    pub fn add(&mut self, promise: &str, more: Checked) {
+        if !self.0.contains_key(promise) {
+            self.0.insert(promise.to_owned(), Checked::default());
+        }
+        if let Some(sum) = self.0.get_mut(promise) {
+            sum.checks += more.checks;
+            sum.violations += more.violations;
+        }
+    }
+
+    /// Takes note of all checks of another account.
+    pub fn add_all(&mut self, more: &Self) {
+        more.iter().for_each(|(promise, checked)| self.add(promise, checked));
+    }
+
     /// How often a promise was checked and broken.
-    pub fn of(&self, promise: Promise) -> Checked {
-        self.0.get(&promise).copied().unwrap_or_default()
+    pub fn of(&self, promise: &str) -> Checked {
+        self.0.get(promise).copied().unwrap_or_default()
     }
 
     /// Over all promises.
@@ -207,8 +225,8 @@ impl CheckCounts {
     }
 
     /// Each promise that was checked, with its counts.
-    pub fn iter(&self) -> impl Iterator<Item = (Promise, Checked)> {
-        self.0.iter().map(|(promise, checked)| (*promise, *checked))
+    pub fn iter(&self) -> impl Iterator<Item = (&str, Checked)> {
+        self.0.iter().map(|(promise, checked)| (promise.as_str(), *checked))
     }
 }
 
@@ -224,7 +242,6 @@ pub struct Monitor {
     /// Where every UAV was when that was last checked.
     flown_from: Vec<Pose>,
     counts: CheckCounts,
-    unchecked: u64,
 }
 
 impl Monitor {
@@ -233,54 +250,23 @@ impl Monitor {
         let walls = Walls::new(obstacles);
         let counts = CheckCounts::default();
         let flown_from = Vec::new();
-        Self { ground, model, period_s, walls, previous: None, flown_from, counts, unchecked: 0 }
+        Self { ground, model, period_s, walls, previous: None, flown_from, counts }
     }
 
-    /// Checks step k: the separations, the region and the speeds of all targets, and that every
-    /// agent admits every target where it is. Agents are indexed as in `agents`.
+    /// Checks step k: the separations, the region and the speeds of all targets.
     ///
     /// A value that is not a number violates whatever it takes part in.
-    pub fn check(
-        &mut self,
-        step: Step,
-        agents: &[&dyn Knowledge],
-        targets: &[TargetTruth],
-    ) -> Vec<Violation> {
+    pub fn check(&mut self, step: Step, targets: &[TargetTruth]) -> Vec<Violation> {
         let mut faults = Vec::new();
         for (index, target) in targets.iter().enumerate() {
             self.check_place(target, &mut faults);
             for other in &targets[..index] {
                 self.check_pair(other, target, &mut faults);
             }
-            for (agent, knowledge) in (0..).map(AgentId).zip(agents) {
-                self.check_knowledge(agent, *knowledge, target, &mut faults);
-            }
         }
         self.check_speeds(step, targets, &mut faults);
         self.previous = Some((step, targets.to_vec()));
         self.record(step, faults)
-    }
-
-    /// Checks what one agent knew at step k, when targets were where `targets` says: for reports that
-    /// come late, after [`Self::check`] has checked that step without them.
-    pub fn check_agent(
-        &mut self,
-        step: Step,
-        agent: AgentId,
-        knowledge: &dyn Knowledge,
-        targets: &[TargetTruth],
-    ) -> Vec<Violation> {
-        let mut faults = Vec::new();
-        for target in targets {
-            self.check_knowledge(agent, knowledge, target, &mut faults);
-        }
-        self.record(step, faults)
-    }
-
-    /// Takes note of an agent's report that could not be checked, because it came after the truth of
-    /// its step was forgotten.
-    pub fn miss_agent(&mut self) {
-        self.unchecked += 1;
     }
 
     /// Checks that no UAV is nearer to a building than [`FLIGHT_CLEARANCE_M`], over it or beside it, and
@@ -333,35 +319,16 @@ impl Monitor {
         &self.counts
     }
 
-    /// How many reports of agents could not be checked so far.
-    pub fn unchecked(&self) -> u64 {
-        self.unchecked
-    }
-
     /// Takes note of a check about to be made.
     fn count(&mut self, promise: Promise) {
-        self.counts.0.entry(promise).or_default().checks += 1;
+        self.counts.add(promise.key(), Checked { checks: 1, violations: 0 });
     }
 
     fn record(&mut self, step: Step, faults: Vec<Fault>) -> Vec<Violation> {
         for fault in &faults {
-            self.counts.0.entry(fault.promise()).or_default().violations += 1;
+            self.counts.add(fault.promise().key(), Checked { checks: 0, violations: 1 });
         }
         faults.into_iter().map(|fault| Violation { step, fault }).collect()
-    }
-
-    fn check_knowledge(
-        &mut self,
-        agent: AgentId,
-        knowledge: &dyn Knowledge,
-        target: &TargetTruth,
-        faults: &mut Vec<Fault>,
-    ) {
-        self.count(Promise::Guarantee);
-        let TargetTruth { id, location, .. } = *target;
-        if !knowledge.admits(id, location, GUARANTEE_TOLERANCE_M) {
-            faults.push(Fault::Guarantee { agent, target: id, location });
-        }
     }
 
     fn check_place(&mut self, target: &TargetTruth, faults: &mut Vec<Fault>) {

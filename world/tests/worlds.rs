@@ -2,12 +2,10 @@
 
 use std::path::PathBuf;
 
-use csat_proto::ids::TargetId;
 use csat_proto::model::Driving;
 use csat_world::map::{MapConfig, MapKind};
 use csat_world::obstacle::Obstacle;
 use csat_world::target::TargetTruth;
-use csat_world::truth::Knowledge;
 use csat_world::world::{World, WorldConfig};
 use geo::{
     Area, BooleanOps, BoundingRect, Distance, Euclidean, Intersects, Point, Polygon, Validation,
@@ -32,15 +30,6 @@ fn worlds() -> [(&'static str, WorldConfig); 3] {
     ]
 }
 
-/// Knows nothing, so admits everything.
-struct Ignorant;
-
-impl Knowledge for Ignorant {
-    fn admits(&self, _: TargetId, _: [f64; 2], _: f64) -> bool {
-        true
-    }
-}
-
 /// Drives for `steps`, watched by the monitor: `drove` is given the world and each car before and after a
 /// period, with the way between.
 fn drive(
@@ -52,7 +41,7 @@ fn drive(
     let mut monitor = world.monitor();
     for _ in 0..steps {
         let before = world.targets().to_vec();
-        let violations = monitor.check(world.step(), &[&Ignorant], world.targets());
+        let violations = monitor.check(world.step(), world.targets());
         assert_eq!(violations, [], "{name}");
         world.advance();
         for (now, before) in world.targets().iter().zip(&before) {
@@ -216,7 +205,7 @@ fn small_and_large_worlds_work() {
         let mut monitor = world.monitor();
         for _ in 0..50 {
             world.advance();
-            assert_eq!(monitor.check(world.step(), &[], world.targets()), []);
+            assert_eq!(monitor.check(world.step(), world.targets()), []);
         }
     }
 }

@@ -14,7 +14,7 @@ use csat_agent::estimate::evidence::Heard;
 use csat_agent::estimate::state::Knowledge;
 use csat_agent::identity::Identity;
 use csat_agent::sense::{Measured, Sensor};
-use csat_experiments::mission::{self, RunOptions};
+use csat_experiments::flight::{self, RunOptions};
 use csat_experiments::record::{RecordOptions, Recorder};
 use csat_experiments::run_folder::Destination;
 use csat_experiments::scenario::{self, Loaded, Request};
@@ -229,7 +229,8 @@ fn load(sets: &[String]) -> Loaded {
 
 /// Flies, measures and records a whole mission, pictures included.
 pub fn whole_mission((loaded, mut recorder): (Loaded, Recorder)) {
-    let outcome = mission::run(loaded, &RunOptions::default(), &mut recorder, &mut ());
+    let outcome =
+        flight::run::<SetMembership>(loaded, &RunOptions::default(), &mut recorder, &mut ());
     recorder.finish(outcome.expect("a mission flies")).expect("a run folder");
 }
 

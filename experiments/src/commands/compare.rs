@@ -1,10 +1,10 @@
 //! `csat compare`.
 
-use csat_experiments::cli::CompareArguments;
-use csat_experiments::compare;
-use csat_experiments::verdict::DONE;
+use crate::cli::CompareArguments;
+use crate::compare;
+use crate::verdict::DONE;
 
-use super::flight::judge;
+use super::runs::judge;
 use super::say;
 
 /// `csat compare`.

@@ -6,13 +6,13 @@ use std::sync::atomic::Ordering;
 
 use anyhow::Context;
 
-use csat_experiments::logs::Logs;
-use csat_experiments::mission::RunOptions;
-use csat_experiments::process::agent;
-use csat_experiments::process::spawn::{self, SpawnArguments, SpawnError};
-use csat_experiments::process::world::{self, WorldArguments, WorldError};
-use csat_experiments::run_folder::RunFolder;
-use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED};
+use crate::flight::RunOptions;
+use crate::logs::Logs;
+use crate::process::agent;
+use crate::process::spawn::{self, SpawnArguments, SpawnError};
+use crate::process::world::{WorldArguments, WorldError};
+use crate::run_folder::RunFolder;
+use crate::verdict::{BAD_INPUT, DONE, INTERRUPTED};
 use csat_peer::agent::{AgentError, EndedBy};
 use csat_peer::arguments::AgentArguments;
 use csat_peer::parent_death;
@@ -65,17 +65,17 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
             return Ok(BAD_INPUT);
         }
     };
-    let code = super::record(run, logs, |loaded, recorder, audience| {
-        let flown = world::fly(&session, arguments, loaded, &options, recorder, audience);
+    let code = super::record(run, logs, &options, |mission, flight| {
+        let folder = flight.recorder.partial_folder().to_owned();
+        let flown = mission.fly_fleet(&session, arguments, flight);
         // Above all when the fleet failed: they tell why.
-        let logs =
-            agents_logs.as_ref().map_or(Ok(()), |from| adopt(from, recorder.partial_folder()));
-        let outcome = match flown {
+        let logs = agents_logs.as_ref().map_or(Ok(()), |from| adopt(from, &folder));
+        let flown = match flown {
             Err(WorldError::Fleet(FleetError::Interrupted)) => return Ok(None),
             flown => flown?,
         };
         logs.context("cannot keep the agents' logs")?;
-        Ok(Some(outcome))
+        Ok(Some(flown))
     });
     session::close(session);
     code

@@ -2,10 +2,10 @@
 
 mod compare;
 mod fleet;
-mod flight;
 mod reference;
 mod replay;
 mod reproduce;
+mod runs;
 mod sweep;
 mod tools;
 mod watch;
@@ -19,18 +19,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::Context;
 use serde::Serialize;
 
-use csat_experiments::cli::{RunArguments, ScenarioArguments};
-use csat_experiments::logs::Logs;
-use csat_experiments::mission::{self, Audience, RunOptions};
-use csat_experiments::plot::{self, PlotError, Whose};
-use csat_experiments::record::{Finished, Outcome, RecordError, RecordOptions, Recorder};
-use csat_experiments::run_folder::{Destination, FolderError};
-use csat_experiments::scenario::{self, Loaded, Mistakes, Request};
-use csat_experiments::set_membership::SetMembership;
-use csat_experiments::show;
-use csat_experiments::show::recording::Recording;
-use csat_experiments::summary::Summary;
-use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED, verdict};
+use crate::cli::{RunArguments, ScenarioArguments};
+use crate::flight::RunOptions;
+use crate::logs::Logs;
+use crate::missions::{self, Flown, Flyable};
+use crate::plot::{self, PlotError, Whose};
+use crate::record::{Finished, RecordError, RecordOptions, Recorder};
+use crate::run_folder::{Destination, FolderError};
+use crate::scenario::{self, Loaded, Mistakes, Request};
+use crate::show;
+use crate::summary::Summary;
+use crate::verdict::{BAD_INPUT, DONE, INTERRUPTED, verdict};
 use csat_mission::words::counted;
 use csat_peer::tell;
 use csat_peer::terminal;
@@ -88,9 +87,7 @@ pub fn check(arguments: &ScenarioArguments) -> anyhow::Result<u8> {
 /// `csat run`.
 pub fn run(arguments: &RunArguments, logs: &Logs) -> anyhow::Result<u8> {
     let options = RunOptions { interrupted: interrupted_by_the_user()? };
-    record(arguments, logs, |loaded, recorder, audience| {
-        Ok(Some(mission::run(loaded, &options, recorder, audience)?))
-    })
+    record(arguments, logs, &options, |mission, flight| Ok(Some(mission.fly(flight)?)))
 }
 
 /// Loads a scenario that is to be flown. `--record 5` reads as `--record` and a scenario called 5.
@@ -107,16 +104,13 @@ fn load_to_fly(arguments: &RunArguments) -> Result<Loaded, Mistakes> {
     result
 }
 
-/// Loads a scenario, lets `fly` fly it and writes that down; its audience makes the recording, if
-/// one was asked for. `None` from it is a mission that the user ended before it began.
+/// Loads a scenario, lets `fly` fly it and writes that down. `None` from `fly` is a mission that the user
+/// ended before it began.
 fn record(
     arguments: &RunArguments,
     logs: &Logs,
-    fly: impl FnOnce(
-        Loaded,
-        &mut Recorder,
-        &mut dyn Audience<SetMembership>,
-    ) -> anyhow::Result<Option<Outcome>>,
+    options: &RunOptions,
+    fly: impl FnOnce(&dyn Flyable, missions::Request<'_>) -> anyhow::Result<Option<Flown>>,
 ) -> anyhow::Result<u8> {
     let loaded = match load_to_fly(arguments) {
         Ok(loaded) => loaded,
@@ -132,8 +126,8 @@ fn record(
             .context("cannot start the threads")?;
     }
     let destination = destination(arguments.out.as_deref(), &loaded);
-    let options = RecordOptions { destination, quiet: arguments.json };
-    let mut recorder = match Recorder::create(&loaded, &options) {
+    let record_options = RecordOptions { destination, quiet: arguments.json };
+    let mut recorder = match Recorder::create(&loaded, &record_options) {
         Ok(recorder) => recorder,
         Err(RecordError::Folder(error)) => return refuse_folder(error),
         Err(error) => return Err(error.into()),
@@ -149,24 +143,20 @@ fn record(
     logs.attach(file);
     logs.share_terminal(recorder.progress().clone());
     warn(&warnings, "in csat.log and from `csat check`");
-    let mut recording = arguments
-        .record
-        .map(|period_s| {
-            Recording::create(&partial, SetMembership::new(&loaded.scenario), &loaded, period_s)
-        })
-        .transpose()?;
     let incomplete = || {
         format!(
             "the run is not complete; its pieces are in `{}` (a file still being written ends in .tmp)",
             partial.display()
         )
     };
-    let flown = fly(loaded, &mut recorder, &mut recording).with_context(incomplete)?;
-    let Some(outcome) = flown else {
+    let mission = missions::find(&loaded.scenario.mission).expect("it was loaded");
+    let record_period_s = arguments.record;
+    let flight = missions::Request { loaded, options, recorder: &mut recorder, record_period_s };
+    let Some(Flown { outcome, recorded_bytes }) = fly(mission, flight).with_context(incomplete)?
+    else {
         recorder.discard()?;
         return Ok(INTERRUPTED);
     };
-    let recorded_bytes = recording.map(Recording::finish).transpose().with_context(incomplete)?;
     let finished = recorder.finish(outcome).with_context(incomplete)?;
     report(&finished, recorded_bytes, arguments.json)
 }

@@ -6,9 +6,9 @@ use anyhow::Context;
 use clap::CommandFactory;
 use clap_complete::Shell;
 
-use csat_experiments::cli::Cli;
-use csat_experiments::scenario::{keys, shipped, similar};
-use csat_experiments::verdict::{BAD_INPUT, DONE};
+use crate::cli::Cli;
+use crate::scenario::{keys, shipped, similar};
+use crate::verdict::{BAD_INPUT, DONE};
 use csat_peer::tell;
 
 use super::say;

@@ -3,11 +3,11 @@
 use std::io::IsTerminal;
 use std::sync::atomic::Ordering;
 
-use csat_experiments::cli::ReplayArguments;
-use csat_experiments::show::read::{self, Film};
-use csat_experiments::show::replay::play;
-use csat_experiments::show::truth;
-use csat_experiments::verdict::{BAD_INPUT, DONE, INTERRUPTED};
+use crate::cli::ReplayArguments;
+use crate::show::read::{self, Film};
+use crate::show::replay::play;
+use crate::show::truth;
+use crate::verdict::{BAD_INPUT, DONE, INTERRUPTED};
 use csat_mission::documents::Document;
 use csat_peer::tell;
 use csat_peer::wire::session::{self, Role};

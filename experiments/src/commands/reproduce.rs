@@ -3,24 +3,24 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
+use crate::cli::{Published, ReproduceArguments};
+use crate::reproduce::chapter4::Chapter4;
+use crate::reproduce::plan::{self, Plan};
+use crate::reproduce::setting::Deviations;
+use crate::reproduce::table::Table;
+use crate::reproduce::{chapter5, flown, page, table1};
+use crate::run_folder::{Destination, FolderError, PartialFile, RunFolder};
+use crate::scenario::{self, Loaded, Mistake};
+use crate::sweep::folder::{SweepFolder, default_root};
+use crate::sweep::manifest::{Manifest, quoted};
+use crate::sweep::results::Results;
+use crate::sweep::seeds::{Shard, parse_seeds};
+use crate::sweep::take::Taking;
+use crate::sweep::{SweepError, check, merge};
+use crate::verdict::DONE;
 use anyhow::Context;
-use csat_experiments::cli::{Published, ReproduceArguments};
-use csat_experiments::reproduce::chapter4::Chapter4;
-use csat_experiments::reproduce::plan::{self, Plan};
-use csat_experiments::reproduce::setting::Deviations;
-use csat_experiments::reproduce::table::Table;
-use csat_experiments::reproduce::{chapter5, flown, page, table1};
-use csat_experiments::run_folder::{Destination, FolderError, PartialFile, RunFolder};
-use csat_experiments::scenario::{self, Loaded, Mistake};
-use csat_experiments::sweep::folder::{SweepFolder, default_root};
-use csat_experiments::sweep::manifest::{Manifest, quoted};
-use csat_experiments::sweep::results::Results;
-use csat_experiments::sweep::seeds::{Shard, parse_seeds};
-use csat_experiments::sweep::take::Taking;
-use csat_experiments::sweep::{SweepError, check, merge};
-use csat_experiments::verdict::DONE;
 
-use super::flight::{Flight, code, complain, jobs, judge};
+use super::runs::{Flight, code, complain, jobs, judge};
 use super::{interrupted_by_the_user, say, warn};
 
 const REPORT: &str = "report.html";

@@ -3,21 +3,21 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
+use crate::cli::SweepArguments;
+use crate::scenario::Mistake;
+use crate::sweep::SweepError;
+use crate::sweep::check;
+use crate::sweep::folder::{SweepFolder, default_root};
+use crate::sweep::manifest::{Manifest, Request, quoted};
+use crate::sweep::merge;
+use crate::sweep::plan::{self, MAX_RUNS};
+use crate::sweep::results::{Counts, Results};
+use crate::sweep::seeds::{Shard, parse_seeds};
+use crate::sweep::take::Taking;
+use crate::sweep::vary::Axis;
 use anyhow::Context;
-use csat_experiments::cli::SweepArguments;
-use csat_experiments::scenario::Mistake;
-use csat_experiments::sweep::SweepError;
-use csat_experiments::sweep::check;
-use csat_experiments::sweep::folder::{SweepFolder, default_root};
-use csat_experiments::sweep::manifest::{Manifest, Request, quoted};
-use csat_experiments::sweep::merge;
-use csat_experiments::sweep::plan::{self, MAX_RUNS};
-use csat_experiments::sweep::results::{Counts, Results};
-use csat_experiments::sweep::seeds::{Shard, parse_seeds};
-use csat_experiments::sweep::take::Taking;
-use csat_experiments::sweep::vary::Axis;
 
-use super::flight::{Flight, code, complain, jobs, judge};
+use super::runs::{Flight, code, complain, jobs, judge};
 use super::{interrupted_by_the_user, say, warn};
 
 /// `csat sweep`.

@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use anyhow::Context;
 
-use csat_experiments::tools::doctor::{self, DoctorArguments};
-use csat_experiments::tools::echo::{self, EchoArguments};
-use csat_experiments::verdict::{BAD_INPUT, DONE, FAILED, INTERRUPTED};
+use crate::tools::doctor::{self, DoctorArguments};
+use crate::tools::echo::{self, EchoArguments};
+use crate::verdict::{BAD_INPUT, DONE, FAILED, INTERRUPTED};
 use csat_peer::tell;
 
 /// `csat echo`.

@@ -2,8 +2,8 @@
 
 use anyhow::Context;
 
-use csat_experiments::verdict::{BAD_INPUT, DONE};
-use csat_experiments::watch::{self, arguments::WatchArguments};
+use crate::verdict::{BAD_INPUT, DONE};
+use crate::watch::{self, arguments::WatchArguments};
 use csat_peer::tell;
 
 /// `csat watch`.

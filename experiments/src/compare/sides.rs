@@ -4,12 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::read::{Folder, Run};
 use super::{Comparison, Digests, Kind, Number, Part};
+use crate::missions;
 use crate::scenario::MAP_FILE;
 use crate::scenario::differences::{Difference, differences};
 use crate::sweep::SweepError;
 use crate::sweep::growth;
 use crate::sweep::manifest::Manifest;
-use crate::sweep::metric::METRICS;
+use crate::sweep::metric::metrics_of;
 use crate::sweep::pairs::Paired;
 use crate::sweep::plan::Point;
 use crate::sweep::record::RunRecord;
@@ -183,7 +184,8 @@ fn numbers(a: &BTreeMap<u64, Values>, b: &BTreeMap<u64, Values>) -> Vec<Number> 
         |(key, value): (&String, &serde_json::Value)| value.is_number().then(|| key.clone());
     let all = a.values().chain(b.values()).flat_map(|values| values.iter().filter_map(is_number));
     let mut keys: BTreeSet<String> = all.collect();
-    let first = METRICS.iter().filter_map(|metric| keys.take(metric.key)).collect::<Vec<_>>();
+    let metrics = metrics_of(missions::all().iter().map(|mission| mission.kind()));
+    let first = metrics.iter().filter_map(|metric| keys.take(metric.key)).collect::<Vec<_>>();
     let by_seed = |runs: &BTreeMap<u64, Values>, key: &str| {
         let values = runs.iter().filter_map(|(seed, v)| Some((*seed, v.get(key)?.as_f64()?)));
         values.collect::<BTreeMap<u64, f64>>()

@@ -1,9 +1,10 @@
 //! A comparison for people.
 
 use super::{Comparison, Kind, Number, Part};
+use crate::missions;
 use crate::report::axis::short;
 use crate::report::shapes::rounded;
-use crate::sweep::metric::METRICS;
+use crate::sweep::metric::metrics_of;
 use csat_mission::words::counted;
 
 impl Comparison {
@@ -33,7 +34,8 @@ impl Comparison {
 
     /// Of a sweep only what its report shows, too.
     fn shows(&self, number: &Number) -> bool {
-        let is_first = METRICS.iter().any(|metric| metric.key == number.key);
+        let kinds = missions::all().iter().map(|mission| mission.kind());
+        let is_first = metrics_of(kinds).iter().any(|metric| metric.key == number.key);
         is_first || (self.kind != Kind::Sweep && number.differs())
     }
 

@@ -10,18 +10,19 @@
 mod agents;
 mod axes;
 pub mod canvas;
+mod colours;
 pub mod layers;
 mod legend;
 mod map;
 mod metrics;
-mod panels;
 #[cfg(test)]
 mod tests;
 
 use std::path::{Path, PathBuf};
 
+use crate::metrics_file;
+use crate::missions;
 use crate::run_folder::{FolderError, PartialFile};
-use crate::series::Curves;
 use crate::summary::Summary;
 use crate::view::View;
 
@@ -108,14 +109,17 @@ pub fn redraw(folder: &Path) -> Result<[PathBuf; 2], PlotError> {
     let view: View = read_json(&folder.join("view.json"))?;
     let summary: Summary = read_json(&folder.join("summary.json"))?;
     let path = folder.join("metrics.csv");
-    let unreadable = |e: csv::Error| PlotError::Read { path: path.clone(), reason: e.to_string() };
-    let curves = Curves::read(&path).map_err(unreadable)?;
-    if curves.fleet.0.is_empty() {
+    let unreadable = |reason: String| PlotError::Read { path: path.clone(), reason };
+    let kind = missions::kind(&summary.mission).ok_or_else(|| {
+        unreadable(format!("its mission `{}` is none that this program knows", summary.mission))
+    })?;
+    let curves = metrics_file::read(&path, kind.columns).map_err(|e| unreadable(e.to_string()))?;
+    if curves.fleet.points.is_empty() {
         return Err(PlotError::Read { path, reason: "it has no rows".to_owned() });
     }
     let pictures = [
         (folder.join("map.svg"), map_svg(&view, 0)),
-        (folder.join("metrics.svg"), metrics_svg(&summary, &curves)?),
+        (folder.join("metrics.svg"), metrics_svg(kind, &summary, &curves)?),
     ];
     for (path, picture) in &pictures {
         write(path, picture)?;

@@ -3,15 +3,19 @@ use csat_proto::oem::OemCell;
 use csat_proto::raster::{Grid, Raster};
 
 use super::*;
+use crate::metrics_file;
 use crate::scenario::{self, Request};
-use crate::series::{Curves, Means, Point, Series};
+use crate::series::{Curves, Point, Series};
 use crate::testing::scratch;
 
+use crate::set_membership::SetMembership;
 use crate::view::Building;
 use crate::view::UavTrack;
+use csat_mission::measures::{in_order, index_of};
+use csat_mission::mission::{Kind, Mission};
 use csat_mission::picture::Knowledge;
 use csat_mission::picture::Ring;
-use csat_mission::row::StepRecord;
+use csat_mission::row::Row;
 
 /// `CSAT_SHOW=folder cargo test` leaves the pictures there, to be looked at.
 fn show(name: &str, svg: &str) {
@@ -145,40 +149,37 @@ fn sample_view() -> View {
     }
 }
 
+const KIND: Kind = SetMembership::KIND;
+
 fn sample_series() -> Series {
     let wave = |t: f64, period: f64| (t / period).sin();
-    Series(
-        (0..=600)
-            .map(|k| {
-                let t = f64::from(k) * 0.5;
-                let decay = (-t / 60.0).exp();
-                let identified = (8.0 * (1.0 - (-t / 35.0).exp())).round();
-                Point {
-                    news_age_s: None,
-                    time_s: t,
-                    identified: identified - if k % 7 == 0 { 0.25 } else { 0.0 },
-                    identified_union: identified as u16,
-                    targets_in_fov: (3.0 + 2.4 * wave(t, 9.0)) as u16,
-                    targets_detected: (2.0 + 1.9 * wave(t, 9.0)) as u16,
-                    means: Means {
-                        unexplored_pct: 20.0 + 80.0 * decay + 2.0 * wave(t, 12.0),
-                        hidden_pct: 12.0 * (1.0 - decay) + 1.5 * wave(t, 12.0),
-                        explored_pct: 94.0 * (1.0 - decay),
-                        footprint_pct: 28.0 + 4.0 * wave(t, 7.0),
-                        ground_seen_pct: 21.0 + 3.0 * wave(t, 7.0),
-                        localization_error_m: (k > 20).then_some(1.0 + 0.4 * wave(t, 5.0).abs()),
-                        target_radius_m: (k > 20).then_some(14.0 + 4.0 * wave(t, 20.0)),
-                        oem_iou_pct: (k % 50 != 0)
-                            .then_some(75.0 * (1.0 - decay) + 6.0 * wave(t, 4.0)),
-                    },
-                }
-            })
-            .collect(),
-    )
+    let point = |k: u32| {
+        let t = f64::from(k) * 0.5;
+        let decay = (-t / 60.0).exp();
+        let identified = (8.0 * (1.0 - (-t / 35.0).exp())).round();
+        let values = [
+            ("identified", Some(identified - if k.is_multiple_of(7) { 0.25 } else { 0.0 })),
+            ("identified_union", Some(identified)),
+            ("targets_in_fov", Some((3.0 + 2.4 * wave(t, 9.0)).trunc())),
+            ("targets_detected", Some((2.0 + 1.9 * wave(t, 9.0)).trunc())),
+            ("unexplored_pct", Some(20.0 + 80.0 * decay + 2.0 * wave(t, 12.0))),
+            ("hidden_pct", Some(12.0 * (1.0 - decay) + 1.5 * wave(t, 12.0))),
+            ("explored_pct", Some(94.0 * (1.0 - decay))),
+            ("footprint_pct", Some(28.0 + 4.0 * wave(t, 7.0))),
+            ("ground_seen_pct", Some(21.0 + 3.0 * wave(t, 7.0))),
+            ("localization_error_m", (k > 20).then_some(1.0 + 0.4 * wave(t, 5.0).abs())),
+            ("target_radius_m", (k > 20).then_some(14.0 + 4.0 * wave(t, 20.0))),
+            ("oem_iou_pct", (k % 50 != 0).then_some(75.0 * (1.0 - decay) + 6.0 * wave(t, 4.0))),
+        ];
+        Point { time_s: t, values: in_order(KIND.columns, values) }
+    };
+    let mut series = Series::new(KIND.columns);
+    series.points = (0..=600).map(point).collect();
+    series
 }
 
 fn of_fleet(fleet: Series) -> Curves {
-    Curves { fleet, ..Curves::default() }
+    Curves { fleet, ..Curves::new(KIND.columns) }
 }
 
 fn sample_summary() -> Summary {
@@ -303,13 +304,13 @@ fn agents_are_chosen_by_index_or_all() {
 fn an_empty_mission_can_be_drawn() {
     let view = View { size_m: [300.0, 100.0], ..View::default() };
     assert!(!map_svg(&view, 0).contains("NaN"));
-    let svg = metrics_svg(&sample_summary(), &Curves::default()).unwrap();
+    let svg = metrics_svg(&KIND, &sample_summary(), &Curves::new(KIND.columns)).unwrap();
     assert!(!svg.contains("NaN"));
 }
 
 #[test]
 fn the_metrics_show_every_panel_beside_the_thesis() {
-    let svg = metrics_svg(&sample_summary(), &of_fleet(sample_series())).unwrap();
+    let svg = metrics_svg(&KIND, &sample_summary(), &of_fleet(sample_series())).unwrap();
     show("metrics.svg", &svg);
     for words in ["fig. 5.9 left", "fig. 5.10", "fig. 5.11", "fig. 5.12", "fig. 5.13", "OEM"] {
         assert!(svg.contains(words), "{words}");
@@ -321,14 +322,17 @@ fn the_metrics_show_every_panel_beside_the_thesis() {
 #[test]
 fn stations_are_drawn_and_named() {
     let mut curves = of_fleet(sample_series());
-    assert!(!metrics_svg(&sample_summary(), &curves).unwrap().contains("station"));
+    assert!(!metrics_svg(&KIND, &sample_summary(), &curves).unwrap().contains("station"));
     let mut late = sample_series();
-    late.0.iter_mut().for_each(|point| point.means.unexplored_pct += 20.0);
+    let unexplored = index_of(KIND.columns, "unexplored_pct").unwrap();
+    for value in late.points.iter_mut().filter_map(|point| point.values[unexplored].as_mut()) {
+        *value += 20.0;
+    }
     curves.stations.insert(4, late);
-    let svg = metrics_svg(&sample_summary(), &curves).unwrap();
+    let svg = metrics_svg(&KIND, &sample_summary(), &curves).unwrap();
     show("metrics-station.svg", &svg);
     assert!(svg.contains("4 UAVs, 1 station, 8 targets"));
-    let unexplored = curves.stations[&4].second_half().unexplored_pct;
+    let unexplored = curves.stations[&4].half_mean("unexplored_pct").unwrap();
     assert!(svg.contains(&format!("station 4, dashed: {unexplored:.2}")), "{unexplored}");
     assert_eq!(
         svg.matches("station 4, dashed").count(),
@@ -351,7 +355,7 @@ fn other_missions_are_not_set_beside_the_thesis() {
     let other = Summary { thesis_setting: false, ..sample_summary() };
     let short = Summary { sim_s: 299.5, ..sample_summary() };
     for summary in [other, short] {
-        let svg = metrics_svg(&summary, &of_fleet(sample_series())).unwrap();
+        let svg = metrics_svg(&KIND, &summary, &of_fleet(sample_series())).unwrap();
         assert!(!svg.contains("thesis") && !svg.contains("22.06"), "{}", summary.sim_s);
     }
 }
@@ -359,8 +363,9 @@ fn other_missions_are_not_set_beside_the_thesis() {
 /// Ticks of a short axis differ, and no share is above 100 %.
 #[test]
 fn the_ticks_of_a_short_mission_tell_apart() {
-    let second = Series(sample_series().0.into_iter().take(3).collect());
-    let svg = metrics_svg(&sample_summary(), &of_fleet(second)).unwrap();
+    let mut second = sample_series();
+    second.points.truncate(3);
+    let svg = metrics_svg(&KIND, &sample_summary(), &of_fleet(second)).unwrap();
     let ticks: Vec<&str> =
         svg.lines().map(str::trim).filter(|l| l.parse::<f64>().is_ok()).collect();
     for pair in ticks.windows(2) {
@@ -378,10 +383,17 @@ fn a_run_is_drawn_again_from_its_folder() {
     let view = sample_view();
     std::fs::write(folder.join("view.json"), serde_json::to_string(&view).unwrap()).unwrap();
     std::fs::write(folder.join("summary.json"), sample_summary().to_json()).unwrap();
+    let row = |step: u32, key, value| Row {
+        step,
+        time_s: f64::from(step) * 0.5,
+        values: in_order(KIND.columns, [("unexplored_pct", Some(42.0)), (key, value)]),
+        ..Row::default()
+    };
     let mut rows = csv::Writer::from_path(folder.join("metrics.csv")).unwrap();
-    let row = StepRecord { unexplored_pct: 42.0, ..StepRecord::default() };
-    rows.serialize(row).unwrap();
-    rows.serialize(StepRecord { step: 1, time_s: 0.5, oem_iou_pct: Some(7.5), ..row }).unwrap();
+    rows.write_record(metrics_file::header(KIND.columns)).unwrap();
+    for row in [row(0, "oem_iou_pct", None), row(1, "oem_iou_pct", Some(7.5))] {
+        rows.write_record(metrics_file::record(KIND.columns, &row)).unwrap();
+    }
     rows.flush().unwrap();
     let [map, metrics] = redraw(&folder).unwrap();
     assert_eq!(std::fs::read_to_string(map).unwrap(), map_svg(&view, 0));

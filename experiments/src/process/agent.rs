@@ -1,14 +1,11 @@
 //! The process of one agent: the mission that it flies, from the scenario of the world's welcome.
 
-use csat_mission::engine;
-use csat_netem::link::Links;
-use csat_peer::agent::{self, AgentError, Setup, Welcomed};
+use csat_peer::agent::{self, AgentError, Welcomed};
 use csat_peer::arguments::AgentArguments;
 use csat_peer::wire::session::Role;
-use csat_world::world::{World, WorldErrors};
 
+use crate::missions;
 use crate::scenario::Scenario;
-use crate::set_membership::SetMembership;
 use crate::tools::doctor;
 
 /// Drives agent `arguments.id` of the world that answers, until the mission is over. Gives the reason why
@@ -22,31 +19,10 @@ pub fn fly(arguments: &AgentArguments) -> Result<String, AgentError> {
 }
 
 fn take_part(welcomed: Welcomed<'_>) -> Result<String, AgentError> {
-    let scenario: Scenario = toml::from_str(&welcomed.welcome.scenario)
+    let scenario = Scenario::from_toml(&welcomed.welcome.scenario)
         .map_err(|error| AgentError::Scenario(error.message().to_owned()))?;
-    let map = welcomed.welcome.map.clone();
-    welcomed.fly(Setup {
-        mission: SetMembership::new(&scenario),
-        period_s: scenario.run.period_s,
-        channels: scenario.netem.all_channels().count(),
-        fleet: [scenario.agents.count, scenario.agent_count()],
-        links: Box::new(move || links(&scenario, map.as_deref())),
-    })
-}
-
-/// The links to an agent, with the buildings that stand in their way.
-fn links(scenario: &Scenario, map: Option<&str>) -> Result<Links, WorldErrors> {
-    let obstruction = if scenario.netem.has_propagation() {
-        let mut config = scenario.world_config();
-        // Buildings only: an agent knows neither the cars nor their tracks.
-        config.targets.count = 0;
-        let world = match map {
-            Some(text) => World::from_geojson(&config, text, scenario.seed),
-            None => World::new(&config, scenario.seed),
-        };
-        engine::obstruction(&scenario.netem, &world?)
-    } else {
-        None
-    };
-    Ok(Links::new(&scenario.netem, scenario.seed, obstruction))
+    let mission = missions::find(&scenario.mission).ok_or_else(|| {
+        AgentError::Scenario(format!("this program flies no mission `{}`", scenario.mission))
+    })?;
+    mission.take_part(welcomed, scenario)
 }

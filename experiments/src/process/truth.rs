@@ -8,7 +8,7 @@ use csat_proto::time::Step;
 use zenoh::query::{Query, Queryable};
 use zenoh::{Session, Wait};
 
-use crate::mission::{Audience, Moment};
+use crate::flight::{Audience, Moment};
 use crate::record::RecordError;
 use crate::scenario::Loaded;
 use crate::show::truth;
@@ -45,8 +45,12 @@ impl Showcase {
             known.values().for_each(|document| reply(&query, keys, document));
         };
         let queryable = session.declare_queryable(keys.of("truth/**")).callback(answer).wait()?;
-        let town_publisher = Watched::declare(session, keys.truth("town"))?;
-        town_publisher.put(&town);
+        // What does not change is said once; a listener that comes later asks for it.
+        let columns = truth::columns(loaded.kind());
+        keep(&newest, &columns);
+        for (name, document) in [("town", &town), ("columns", &columns)] {
+            Watched::declare(session, keys.truth(name))?.put(document);
+        }
         let watched = |name| Watched::declare(session, keys.truth(name));
         Ok(Self {
             targets: watched("targets")?,

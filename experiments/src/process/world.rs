@@ -13,10 +13,10 @@ use csat_proto::keys::Keys;
 use zenoh::{Session, Wait};
 
 use super::truth::Showcase;
-use crate::mission::{self, Audience, FlightError, RunOptions};
-use crate::record::{Outcome, Recorder};
+use crate::flight::{self, Audience, FlightError, RunOptions};
+use crate::missions::Offered;
+use crate::record::{Outcome, RecordError, Recorder};
 use crate::scenario::Loaded;
-use crate::set_membership::SetMembership;
 use csat_mission::timing::Stopwatch;
 use csat_peer::process_number;
 use csat_peer::world::port::Port;
@@ -71,6 +71,9 @@ pub enum WorldError {
     /// The flight.
     #[error(transparent)]
     Flight(#[from] FlightError<FleetError>),
+    /// Writing it down.
+    #[error(transparent)]
+    Record(#[from] RecordError),
 }
 
 fn zenoh_error(error: zenoh::Error) -> WorldError {
@@ -81,13 +84,13 @@ fn zenoh_error(error: zenoh::Error) -> WorldError {
 ///
 /// # Errors
 /// When processes are missing, or the mission cannot be flown or written down.
-pub fn fly(
+pub fn fly<M: Offered>(
     session: &Session,
     arguments: &WorldArguments,
     loaded: Loaded,
     options: &RunOptions,
     recorder: &mut Recorder,
-    audience: &mut dyn Audience<SetMembership>,
+    audience: &mut dyn Audience<M>,
 ) -> Result<Outcome, WorldError> {
     let WorldArguments { pace, wire, restarts, .. } = arguments;
     let keys = Keys(RunId(loaded.scenario.seed));
@@ -107,17 +110,17 @@ pub fn fly(
         pace: speed,
     };
     let port = Port::declare(session, &welcome, count).map_err(zenoh_error)?;
-    let mission = SetMembership::new(&loaded.scenario);
+    let mission = M::of(&loaded.scenario);
     let roster = Roster::new(welcome, count);
     let mut fleet = RemoteFleet::new(&mission, port, roster, speed, pace.patience);
     if *restarts {
         fleet = fleet.with_restarts(options.interrupted.clone());
     }
     let mut showcase = Showcase::declare(session, keys, &loaded).map_err(zenoh_error)?;
-    let mut audience: Vec<&mut dyn Audience<SetMembership>> = vec![&mut showcase, audience];
+    let mut audience: Vec<&mut dyn Audience<M>> = vec![&mut showcase, audience];
     let is_over = || options.interrupted.load(std::sync::atomic::Ordering::SeqCst);
     let flown = fleet.gather(pace.patience, is_over).map_err(WorldError::from).and_then(|()| {
-        Ok(mission::run_fleet(loaded, &mut fleet, options, recorder, &mut audience)?)
+        Ok(flight::run_fleet(loaded, &mut fleet, options, recorder, &mut audience)?)
     });
     fleet.end(match &flown {
         Ok(outcome) if outcome.interrupted => "ended by the user",

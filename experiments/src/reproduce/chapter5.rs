@@ -64,8 +64,8 @@ fn means(
     runs: &[Vec<Flown>],
 ) -> Table {
     let cell = |flown: &[Flown], row: &Row, quantity: &Quantity| {
-        let points = flown.iter().flat_map(|run| run.series.half());
-        let values: Vec<f64> = points.filter_map(quantity.value).collect();
+        let values = flown.iter().flat_map(|run| run.series.half(quantity.column));
+        let values: Vec<f64> = values.filter_map(|value| quantity.defined(value)).collect();
         Cell::new(&values, (quantity.published)(row).map(Theirs::Mean))
     };
     let rows = names.iter().zip(runs).zip(reference().chapter5.rows());
@@ -94,6 +94,10 @@ fn occlusion(cells: &[Cell], row: &Row) -> Cell {
     Cell::new(&[ratio], Some(Theirs::Value(row.occlusion_ratio_pct)))
 }
 
+fn all_identified_s(run: &Flown) -> Option<f64> {
+    run.summary.numbers.get("all_identified_s")
+}
+
 /// §5.4.3: when the fleet has identified all targets.
 fn identification(names: &[String], runs: &[Vec<Flown>]) -> Table {
     let Chapter5 { timing, .. } = reference().chapter5;
@@ -101,8 +105,8 @@ fn identification(names: &[String], runs: &[Vec<Flown>]) -> Table {
     let others = Some(Theirs::Below(by_s.others));
     let published = [others, others, others, None, Some(Theirs::Below(by_s.str3_kappa1))];
     let row = |((name, flown), theirs): ((&String, &Vec<Flown>), Option<Theirs>)| {
-        let times = flown.iter().map(|r| r.summary.all_identified_s.unwrap_or(r.summary.sim_s));
-        let found = flown.iter().filter(|r| r.summary.all_identified_s.is_some()).count();
+        let times = flown.iter().map(|r| all_identified_s(r).unwrap_or(r.summary.sim_s));
+        let found = flown.iter().filter(|r| all_identified_s(r).is_some()).count();
         let is_at_least = found < flown.len();
         let cell = Cell::new(&times.collect::<Vec<_>>(), theirs).at_least(is_at_least);
         (format!("{name} (all found in {found} of {})", flown.len()), vec![cell])
@@ -160,7 +164,7 @@ fn computing(names: &[String], runs: &[Vec<Flown>]) -> Table {
 
 /// The figures, as markup: a line per criterion.
 pub fn figures(names: &[String], runs: &[Vec<Flown>]) -> String {
-    let lengths = runs.iter().flatten().filter_map(|run| Some(run.series.0.last()?.time_s));
+    let lengths = runs.iter().flatten().filter_map(|run| Some(run.series.points.last()?.time_s));
     let end_s = lengths.fold(1.0, f64::max);
     let step_s = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].into_iter().find(|s| end_s / s <= TICKS);
     let step_s = step_s.unwrap_or(end_s / TICKS);
@@ -181,11 +185,12 @@ pub fn figures(names: &[String], runs: &[Vec<Flown>]) -> String {
 
 /// The mean over missions at each instant that all of them have.
 fn curve(quantity: &Quantity, name: &str, flown: &[Flown], row: &Row) -> Curve {
-    let steps = flown.iter().map(|run| run.series.0.len()).min().unwrap_or(0);
+    let runs: Vec<Vec<(f64, Option<f64>)>> =
+        flown.iter().map(|run| run.series.of(quantity.column).collect()).collect();
+    let steps = runs.iter().map(Vec::len).min().unwrap_or(0);
     let points = (0..steps).step_by(DRAWN_STEPS).filter_map(|step| {
-        let points = flown.iter().map(|run| &run.series.0[step]);
-        let values: Vec<f64> = points.filter_map(quantity.value).collect();
-        Moment::of(flown[0].series.0[step].time_s, &values)
+        let values = runs.iter().filter_map(|run| quantity.defined(run[step].1));
+        Moment::of(runs[0][step].0, &values.collect::<Vec<_>>())
     });
     let published = (quantity.published)(row).map(|[mean, _]| Published { span: SPAN_S, mean });
     let reaches = flown.iter().all(|run| run.summary.sim_s >= SPAN_S[1]);

@@ -1,6 +1,10 @@
 //! What was flown.
 
-use crate::series::{Curves, Series};
+use csat_mission::mission::Mission;
+
+use crate::metrics_file;
+use crate::series::Series;
+use crate::set_membership::SetMembership;
 use crate::summary::Summary;
 use crate::sweep::SweepError;
 use crate::sweep::folder::SweepFolder;
@@ -30,8 +34,8 @@ pub fn read(folder: &SweepFolder, results: &Results) -> Result<Vec<Vec<Flown>>, 
         let summary = serde_json::from_value(summary)
             .map_err(|e| unreadable(path, "the file of a run", &e))?;
         let path = folder.kept(&manifest.run_name(run)).join("metrics.csv");
-        let series =
-            Curves::read(&path).map_err(|e| unreadable(path, "the metrics of a run", &e))?.fleet;
+        let curves = metrics_file::read(&path, SetMembership::KIND.columns);
+        let series = curves.map_err(|e| unreadable(path, "the metrics of a run", &e))?.fleet;
         points[run.point].push(Flown { summary, series });
     }
     Ok(points)

@@ -1,7 +1,6 @@
 //! What is compared: the curves of thesis figures 5.9-5.14, whose means are its tables 5.3-5.6.
 
 use crate::published::{Published, Row};
-use crate::series::Point;
 
 /// One curve.
 #[derive(Debug, Clone, Copy)]
@@ -16,10 +15,17 @@ pub struct Quantity {
     pub figure: &'static str,
     /// The most it can be.
     pub top: f64,
-    /// Its value at a step of a mission, averaged over the agents.
-    pub value: fn(&Point) -> Option<f64>,
+    /// The column whose mean over the agents it is.
+    pub column: &'static str,
     /// The thesis's mean and deviation for a criterion.
     pub published: fn(&Row) -> Option<Published>,
+}
+
+impl Quantity {
+    /// A value of the column, if it means anything: an agreement of maps is 0 only for a fleet that keeps none.
+    pub fn defined(&self, value: Option<f64>) -> Option<f64> {
+        value.filter(|value| self.column != OEM_IOU.column || *value > 0.0)
+    }
 }
 
 const PCT: &str = "% of the region";
@@ -31,7 +37,7 @@ pub const IDENTIFIED: Quantity = Quantity {
     unit: "targets",
     figure: "figure 5.9, left",
     top: f64::INFINITY,
-    value: |p| Some(p.identified),
+    column: "identified",
     published: |_| None,
 };
 /// Targets in some footprint.
@@ -39,7 +45,7 @@ pub const IN_FOOTPRINT: Quantity = Quantity {
     title: "Targets located in a footprint",
     short: "in a footprint",
     figure: "figure 5.9, right, black",
-    value: |p| Some(f64::from(p.targets_in_fov)),
+    column: "targets_in_fov",
     ..IDENTIFIED
 };
 /// card(∪ D_i).
@@ -47,7 +53,7 @@ pub const DETECTED: Quantity = Quantity {
     title: "Targets identified in a frame",
     short: "in a frame",
     figure: "figure 5.9, right, green",
-    value: |p| Some(f64::from(p.targets_detected)),
+    column: "targets_detected",
     ..IDENTIFIED
 };
 /// (5.36).
@@ -56,7 +62,7 @@ pub const ERROR: Quantity = Quantity {
     short: "localisation error",
     unit: "m",
     figure: "figure 5.10, left",
-    value: |p| p.means.localization_error_m,
+    column: "localization_error_m",
     published: |row| Some(row.localization_error_m),
     ..IDENTIFIED
 };
@@ -65,7 +71,7 @@ pub const RADIUS: Quantity = Quantity {
     title: "Target set, radius of equal area",
     short: "target radius",
     figure: "figure 5.10, bottom right",
-    value: |p| p.means.target_radius_m,
+    column: "target_radius_m",
     published: |row| Some(row.target_radius_m),
     ..ERROR
 };
@@ -76,7 +82,7 @@ pub const UNEXPLORED: Quantity = Quantity {
     unit: PCT,
     figure: "figure 5.11, solid",
     top: 100.0,
-    value: |p| Some(p.means.unexplored_pct),
+    column: "unexplored_pct",
     published: |row| Some(row.unexplored_pct),
 };
 /// φ(X̄ ∩ X^h).
@@ -84,7 +90,7 @@ pub const HIDDEN: Quantity = Quantity {
     title: "Hidden part of the unexplored ground",
     short: "hidden",
     figure: "figure 5.11, dashed",
-    value: |p| Some(p.means.hidden_pct),
+    column: "hidden_pct",
     published: |row| Some(row.hidden_pct),
     ..UNEXPLORED
 };
@@ -93,7 +99,7 @@ pub const FOOTPRINT: Quantity = Quantity {
     title: "Footprint of the fleet",
     short: "footprint",
     figure: "figure 5.12, black",
-    value: |p| Some(p.means.footprint_pct),
+    column: "footprint_pct",
     published: |row| Some(row.footprint_pct),
     ..UNEXPLORED
 };
@@ -102,7 +108,7 @@ pub const SEEN: Quantity = Quantity {
     title: "Ground seen",
     short: "ground seen",
     figure: "figure 5.12, green",
-    value: |p| Some(p.means.ground_seen_pct),
+    column: "ground_seen_pct",
     published: |row| Some(row.ground_seen_pct),
     ..UNEXPLORED
 };
@@ -111,7 +117,7 @@ pub const EXPLORED: Quantity = Quantity {
     title: "Explored ground",
     short: "explored",
     figure: "figure 5.13",
-    value: |p| Some(p.means.explored_pct),
+    column: "explored_pct",
     published: |row| Some(row.explored_pct),
     ..UNEXPLORED
 };
@@ -121,7 +127,7 @@ pub const OEM_IOU: Quantity = Quantity {
     short: "OEM IoU",
     unit: "%",
     figure: "figure 5.14",
-    value: |p| p.means.oem_iou_pct.filter(|iou| *iou > 0.0),
+    column: "oem_iou_pct",
     published: |row| row.oem_iou_pct,
     ..UNEXPLORED
 };

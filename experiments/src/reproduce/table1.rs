@@ -58,6 +58,6 @@ fn table(
 }
 
 fn at_the_end(flown: &[Flown], quantity: &Quantity, theirs: Theirs) -> Cell {
-    let last = flown.iter().filter_map(|run| run.series.0.last());
-    Cell::new(&last.filter_map(quantity.value).collect::<Vec<_>>(), Some(theirs))
+    let last = flown.iter().filter_map(|run| quantity.defined(run.series.last(quantity.column)));
+    Cell::new(&last.collect::<Vec<_>>(), Some(theirs))
 }

@@ -9,6 +9,7 @@ mod explain;
 mod idle_walls;
 pub mod keys;
 mod map_file;
+mod mission;
 pub mod mistake;
 mod read;
 pub mod set;
@@ -18,19 +19,24 @@ pub mod source;
 mod trace_file;
 mod tracks_file;
 pub mod tree;
-mod validate;
+pub mod validate;
 mod world;
 
 use std::path::Path;
 
 use csat_agent::config::{ChannelNames, Channels, EstimatorConfig, ExchangeConfig, GuidanceConfig};
+use csat_mission::engine;
+use csat_mission::mission::Kind;
 use csat_netem::config::NetemConfig;
+use csat_netem::link::Links;
 use csat_proto::camera::CameraModel;
 use csat_proto::model::{FleetModel, Ground, Station, TargetsModel};
 use csat_world::map::{LeftOut, MapConfig, MapWarning, by_cause};
-use csat_world::world::{World, WorldConfig};
+use csat_world::world::{World, WorldConfig, WorldErrors};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::missions::{self, Flyable};
 pub use map_file::MapText;
 pub use mistake::{Mistake, Mistakes, did_you_mean, similar};
 use source::{Place, Source, Sources};
@@ -46,6 +52,8 @@ pub struct Scenario {
     /// asked.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub name: String,
+    /// Which mission is flown.
+    pub mission: String,
     /// What every random stream of the run is derived from.
     pub seed: u64,
     /// `[[stations]]`: agents on the ground, numbered after the UAVs.
@@ -68,12 +76,16 @@ pub struct Scenario {
     pub exchange: ExchangeConfig,
     /// `[netem]`: what the links do.
     pub netem: NetemConfig,
+    /// The tables that only the mission of the scenario knows, but for those above.
+    #[serde(skip)]
+    pub own: toml::Table,
 }
 
 impl Default for Scenario {
     fn default() -> Self {
         Self {
             name: String::new(),
+            mission: SET_MEMBERSHIP.to_owned(),
             seed: 1,
             stations: Vec::new(),
             run: RunConfig::default(),
@@ -85,6 +97,7 @@ impl Default for Scenario {
             guidance: GuidanceConfig::default(),
             exchange: ExchangeConfig::default(),
             netem: NetemConfig::default(),
+            own: toml::Table::new(),
         }
     }
 }
@@ -159,9 +172,60 @@ impl Scenario {
 
     /// The scenario in full as TOML; loading it gives an equal scenario.
     pub fn to_toml(&self) -> String {
-        toml::to_string_pretty(self).expect("a loaded scenario is TOML")
+        let mut table = toml::Table::try_from(self).expect("a loaded scenario is TOML");
+        if self.mission != SET_MEMBERSHIP {
+            OF_SET_MEMBERSHIP.iter().for_each(|key| drop(table.remove(*key)));
+        }
+        table.extend(self.own.clone());
+        toml::to_string_pretty(&table).expect("a table is TOML")
+    }
+
+    /// The inverse of [`Self::to_toml`]. It judges nothing but types and names.
+    ///
+    /// # Errors
+    /// When the text is no scenario.
+    pub fn from_toml(text: &str) -> Result<Self, toml::de::Error> {
+        let mut table: toml::Table = toml::from_str(text)?;
+        let mission = table.get("mission").and_then(toml::Value::as_str).unwrap_or_default();
+        let known = missions::find(mission).map(Flyable::tables).unwrap_or_default();
+        let own = known.keys().filter_map(|key| table.remove_entry(key)).collect();
+        Ok(Self { own, ..table.try_into()? })
+    }
+
+    /// The mission's own tables.
+    ///
+    /// # Panics
+    /// When they cannot be read: those of a loaded scenario can.
+    pub fn own<T: DeserializeOwned>(&self) -> T {
+        self.own.clone().try_into().expect("the tables of a loaded scenario have been read")
+    }
+
+    /// The links to an agent, with the buildings that stand in their way.
+    ///
+    /// # Errors
+    /// When there is no such world.
+    pub fn links(&self, map: Option<&str>) -> Result<Links, WorldErrors> {
+        let obstruction = if self.netem.has_propagation() {
+            let mut config = self.world_config();
+            // Buildings only: an agent knows neither the cars nor their tracks.
+            config.targets.count = 0;
+            let world = match map {
+                Some(text) => World::from_geojson(&config, text, self.seed),
+                None => World::new(&config, self.seed),
+            };
+            engine::obstruction(&self.netem, &world?)
+        } else {
+            None
+        };
+        Ok(Links::new(&self.netem, self.seed, obstruction))
     }
 }
+
+/// The mission of a scenario that names none.
+pub const SET_MEMBERSHIP: &str = "set-membership";
+
+/// The tables that only the set-membership mission knows.
+const OF_SET_MEMBERSHIP: [&str; 3] = ["estimator", "guidance", "exchange"];
 
 /// What to load.
 #[derive(Debug, Clone, Copy, Default)]
@@ -199,6 +263,11 @@ pub const MAP_FILE: &str = "map.geojson";
 pub const TRACKS_FILE: &str = "tracks.csv";
 
 impl Loaded {
+    /// The kind of mission that it describes.
+    pub fn kind(&self) -> &'static Kind {
+        missions::kind(&self.scenario.mission).expect("it was loaded")
+    }
+
     /// The map, if it is not a shipped one.
     pub fn own_map(&self) -> Option<&MapText> {
         self.map.as_ref().filter(|map| !map.is_shipped)
@@ -268,7 +337,8 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
         let index = sources.push(source);
         tree::merge(&mut tree, tree::parse(&sources, index, &mut mistakes));
     }
-    let mut scenario = read::read(&sources, &tree, &mut mistakes);
+    let mission = mission::choose(&sources, &mut tree, &mut mistakes);
+    let mut scenario = read::read(&sources, &tree, mission, &mut mistakes);
     let map = map_file::resolve(&mut scenario, &sources, &tree, &mut mistakes);
     trace_file::resolve(&mut scenario, &mut sources, &tree, &mut mistakes);
     let tracks = tracks_file::resolve(&mut scenario, &mut sources, &tree, &mut mistakes);

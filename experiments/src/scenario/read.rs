@@ -10,18 +10,25 @@ use super::explain::{Failure, explain};
 use super::mistake::Mistake;
 use super::source::{Site, Sources};
 use super::tree::{self, Kind, Node, Table};
+use crate::missions::Flyable;
 
 /// Reads a scenario. Values with mistakes are left at their defaults, so that the rest can still
 /// be judged.
-pub fn read(sources: &Sources, tree: &Table, mistakes: &mut Vec<Mistake>) -> Scenario {
-    let defaults = default_table();
+pub fn read(
+    sources: &Sources,
+    tree: &Table,
+    mission: &dyn Flyable,
+    mistakes: &mut Vec<Mistake>,
+) -> Scenario {
+    let form = Form { mission };
+    let defaults = form.defaults();
     let mut units = Vec::new();
     collect(tree, &defaults, &mut Vec::new(), &mut units);
     let mut accepted = defaults.clone();
     let mut seen: Vec<(Site, String)> = Vec::new();
     let mut left_out: Vec<&[String]> = Vec::new();
     for unit in &units {
-        let failures = judge(&defaults, unit);
+        let failures = judge(&form, &defaults, unit);
         if failures.is_empty() {
             apply_accepted(&mut accepted, unit);
         } else if unit.is_element {
@@ -42,22 +49,22 @@ pub fn read(sources: &Sources, tree: &Table, mistakes: &mut Vec<Mistake>) -> Sce
             elements.clear();
         }
     }
-    Scenario::deserialize(toml::Value::Table(accepted)).unwrap_or_else(|error| {
+    form.scenario(accepted).unwrap_or_else(|error| {
         mistakes.push(Mistake::new(format!("these values do not fit together: {error}")));
         Scenario::default()
     })
 }
 
 /// Everything wrong with one unit.
-fn judge(defaults: &toml::Table, unit: &Unit<'_>) -> Vec<Failure> {
+fn judge(form: &Form<'_>, defaults: &toml::Table, unit: &Unit<'_>) -> Vec<Failure> {
     let mut failures = Vec::new();
     let mut value = unit.value.clone();
-    while let Some(failure) = attempt(defaults, unit, &value) {
+    while let Some(failure) = attempt(form, defaults, unit, &value) {
         if let Some(key) = missing(&failure) {
             // A key with a mistake was taken out: the table does not lack it.
             let is_judged = failures.iter().any(|f: &Failure| f.culprit.as_ref() == Some(&key));
             if !is_judged {
-                let missing = all_missing(defaults, unit, &value, key);
+                let missing = all_missing(form, defaults, unit, &value, key);
                 failures.push(Failure { missing, ..failure });
             }
             break;
@@ -72,7 +79,7 @@ fn judge(defaults: &toml::Table, unit: &Unit<'_>) -> Vec<Failure> {
         let culprit = entries(&mut value.clone()).and_then(|table| {
             table.keys().filter(|key| *key != "model").find_map(|key| {
                 let rest = without(key)?;
-                let next = attempt(defaults, unit, &rest);
+                let next = attempt(form, defaults, unit, &rest);
                 let changed = next.is_none_or(|n| n.message != failure.message);
                 changed.then(|| (key.clone(), rest))
             })
@@ -99,6 +106,7 @@ fn missing(failure: &Failure) -> Option<String> {
 /// Every key that a table lacks: serde names the first one only, so that is given whatever value lets
 /// serde get further.
 fn all_missing(
+    form: &Form<'_>,
     defaults: &toml::Table,
     unit: &Unit<'_>,
     value: &toml::Value,
@@ -112,7 +120,7 @@ fn all_missing(
         let next = stand_ins.into_iter().find_map(|stand_in| {
             let mut filled = value.clone();
             entries(&mut filled)?.insert(key.clone(), stand_in);
-            let next = missing(&attempt(defaults, unit, &filled)?)?;
+            let next = missing(&attempt(form, defaults, unit, &filled)?)?;
             Some((filled, next))
         });
         match next {
@@ -135,12 +143,39 @@ fn entries(value: &mut toml::Value) -> Option<&mut toml::Table> {
     }
 }
 
-fn attempt(defaults: &toml::Table, unit: &Unit<'_>, value: &toml::Value) -> Option<Failure> {
+fn attempt(
+    form: &Form<'_>,
+    defaults: &toml::Table,
+    unit: &Unit<'_>,
+    value: &toml::Value,
+) -> Option<Failure> {
     let mut candidate = defaults.clone();
     apply(&mut candidate, &unit.path, value.clone(), unit.replaces);
-    let error = Scenario::deserialize(toml::Value::Table(candidate)).err()?;
+    let error = form.scenario(candidate).err()?;
     let message = error.message().to_owned();
     Some(Failure { message, culprit: None, missing: Vec::new() })
+}
+
+/// What a scenario of a mission looks like: the fields that every scenario has, and the mission's own tables.
+struct Form<'a> {
+    mission: &'a dyn Flyable,
+}
+
+impl Form<'_> {
+    /// The default scenario of the mission as plain TOML.
+    fn defaults(&self) -> toml::Table {
+        let mut defaults = default_table();
+        defaults.extend(self.mission.tables());
+        defaults
+    }
+
+    /// The scenario that a table is.
+    fn scenario(&self, mut table: toml::Table) -> Result<Scenario, toml::de::Error> {
+        let names = self.mission.tables();
+        let own: toml::Table = names.keys().filter_map(|key| table.remove_entry(key)).collect();
+        self.mission.check_tables(own.clone())?;
+        Ok(Scenario { own, ..Scenario::deserialize(toml::Value::Table(table))? })
+    }
 }
 
 /// The default scenario as plain TOML.

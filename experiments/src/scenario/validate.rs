@@ -16,6 +16,7 @@ use csat_world::map::MapKind;
 use super::camera_check::car_coverage;
 use super::mistake::Mistake;
 use super::{RunConfig, Scenario};
+use crate::missions;
 use crate::set_membership::agent_config;
 use csat_mission::documents::micro;
 
@@ -66,28 +67,46 @@ fn limits(key: &str) -> Option<(&'static RangeInclusive<u64>, &'static str)> {
 
 /// All issues of a scenario.
 pub fn validate(scenario: &Scenario) -> Vec<Issue> {
-    let mut check = Check(Vec::new());
-    let name = &scenario.name;
-    let is_plain = !name.contains(['/', '\\', '\0']) && !name.starts_with('.');
-    check.that(is_plain, &["name"], &format!("`{name}`"), "a name that a folder can have");
-    let period_s = run(&mut check, &scenario.run);
-    targets(&mut check, &scenario.targets);
-    let is_fleet = fleet(&mut check, scenario);
-    camera(&mut check, scenario, is_fleet);
-    estimator(&mut check, &scenario.estimator, scenario.map.size_m);
-    guidance(&mut check, &scenario.guidance, period_s);
-    if check.0.is_empty() && scenario.agents.avoid_buildings {
-        room_to_turn(&mut check, scenario);
-    }
-    exchange::judge(&mut check, &scenario.exchange, &scenario.netem, period_s);
-    if check.0.iter().all(|issue| issue.is_warning) {
-        cost::judge(&mut check, scenario, period_s);
+    let mut issues = of_any_mission(scenario).0;
+    if let Some(mission) = missions::find(&scenario.mission) {
+        issues.extend(mission.judge_scenario(scenario));
     }
     for (key, what) in scenario.netem.mistakes(scenario.agent_count()) {
         let key = format!("netem.{key}");
         let key = key.trim_end_matches('.');
         let mistake = Mistake::new(format!("`{key}`: {what}"));
-        check.0.push(Issue { keys: with_ancestors(key), mistake, is_warning: false });
+        issues.push(Issue { keys: with_ancestors(key), mistake, is_warning: false });
+    }
+    issues
+}
+
+/// What every mission has: the length, the cars, the fleet and its cameras.
+fn of_any_mission(scenario: &Scenario) -> Check {
+    let mut check = Check(Vec::new());
+    let name = &scenario.name;
+    let is_plain = !name.contains(['/', '\\', '\0']) && !name.starts_with('.');
+    check.that(is_plain, &["name"], &format!("`{name}`"), "a name that a folder can have");
+    run(&mut check, &scenario.run);
+    targets(&mut check, &scenario.targets);
+    let is_fleet = fleet(&mut check, scenario);
+    camera(&mut check, scenario, is_fleet);
+    check
+}
+
+/// What the set-membership mission has besides.
+pub fn of_set_membership(scenario: &Scenario) -> Vec<Issue> {
+    let before = of_any_mission(scenario);
+    let period_s = run(&mut Check(Vec::new()), &scenario.run);
+    let mut check = Check(Vec::new());
+    estimator(&mut check, &scenario.estimator, scenario.map.size_m);
+    guidance(&mut check, &scenario.guidance, period_s);
+    let is_clean = before.0.is_empty() && check.0.is_empty();
+    if is_clean && scenario.agents.avoid_buildings {
+        room_to_turn(&mut check, scenario);
+    }
+    exchange::judge(&mut check, &scenario.exchange, &scenario.netem, period_s);
+    if before.0.iter().chain(&check.0).all(|issue| issue.is_warning) {
+        cost::judge(&mut check, scenario, period_s);
     }
     check.0
 }

@@ -7,8 +7,8 @@ use csat_proto::model::Ground;
 use serde::Serialize;
 use serde_json::json;
 
+use super::measures::percent_of;
 use super::report::Report;
-use crate::metrics::percent_of;
 use csat_mission::documents::{AgentStep, Document, Headed, micro};
 use csat_mission::picture::Cells;
 use csat_mission::picture::Knowledge;

@@ -1,24 +1,29 @@
 //! The set-membership mission: search and track with guaranteed sets.
 
+mod columns;
 mod documents;
+pub mod judge;
+pub mod measures;
 pub mod report;
+
+use std::collections::BTreeMap;
 
 use csat_agent::agent::{Event, SetMembershipAgent};
 use csat_agent::commons::Commons;
 use csat_agent::config::AgentConfig;
-use csat_agent::mutant::{Mutant, is_on};
 use csat_proto::camera::CameraModel;
-use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
+use csat_proto::ids::{AgentId, Incarnation, RunId};
 use csat_proto::time::Step;
 
-use crate::metrics::percent_of;
-use crate::metrics::{localization, set_localization};
+use crate::missions::Offered;
 use crate::rounding;
 use crate::scenario::Scenario;
+use crate::scenario::validate::{self, Issue};
 use csat_mission::documents::{AgentStep, Document};
-use csat_mission::mission::{Detail, Mission, Tally, Watched};
+use csat_mission::mission::{Detail, Kind, Mission, Tally};
 use csat_mission::picture;
-use csat_mission::row::StepRecord;
+use judge::Containment;
+use measures::SetMeasures;
 use report::Report;
 
 /// The set-membership mission of a scenario.
@@ -60,9 +65,33 @@ pub fn agent_config(scenario: &Scenario) -> AgentConfig {
     }
 }
 
+impl Offered for SetMembership {
+    /// Its tables are fields of every scenario.
+    type Tables = BTreeMap<String, ()>;
+
+    fn of(scenario: &Scenario) -> Self {
+        Self::new(scenario)
+    }
+
+    fn judge_scenario(scenario: &Scenario) -> Vec<Issue> {
+        validate::of_set_membership(scenario)
+    }
+}
+
 impl Mission for SetMembership {
     type Agent = SetMembershipAgent;
     type Report = Report;
+    type Judge = Containment;
+    type Measures = SetMeasures;
+
+    const KIND: Kind = Kind {
+        name: "set-membership",
+        columns: columns::COLUMNS,
+        headline: &["identified_union", "unexplored_pct"],
+        milestones: columns::MILESTONES,
+        panels: columns::PANELS,
+        promises: judge::PROMISES,
+    };
 
     fn agent(&self, id: AgentId, incarnation: Incarnation) -> SetMembershipAgent {
         let config = AgentConfig { id, incarnation, ..self.config.clone() };
@@ -81,37 +110,16 @@ impl Mission for SetMembership {
         report.step
     }
 
-    fn admits(
-        &self,
-        report: &Report,
-        target: TargetId,
-        location: [f64; 2],
-        tolerance_m: f64,
-    ) -> bool {
-        let lenient_m = if is_on(Mutant::MonitorLenient) { 1.0 } else { 0.0 };
-        report.set_of(target).distance_m(location) <= tolerance_m + lenient_m
+    fn judge(&self) -> Containment {
+        Containment
     }
 
-    fn measure(&self, report: &Report, truth: &[[f64; 2]], row: &mut StepRecord) {
-        let sets = report.targets.iter().map(|(j, set)| (*j, set));
-        row.identified = report.targets.len() as u16;
-        set_localization(row, localization(sets, truth));
-        row.unexplored_pct = percent_of(&self.config.ground, report.unexplored.area_m2());
-        row.hidden_pct = report.hidden_pct;
-        row.oem_iou_pct = report.oem_iou_pct;
-        row.news_age_s = report.news_age_s;
-        row.vertices = report.vertices();
+    fn measures(&self) -> SetMeasures {
+        SetMeasures::new(self.config.ground, self.config.camera)
     }
 
-    fn watched<'a>(&self, report: &'a Report) -> Watched<'a> {
-        let (view, clear_ground) =
-            (self.config.camera.at(&report.pose), report.clear_ground.as_ref());
-        Watched {
-            footprint: clear_ground.map_or_else(Vec::new, |_| view.footprint()),
-            clear_ground,
-            identified: report.targets.iter().map(|(j, _)| *j).collect(),
-            detected: report.detected.clone(),
-        }
+    fn footprint(&self, report: &Report) -> Vec<[f64; 2]> {
+        measures::footprint(&self.config.camera, report)
     }
 
     fn view(&self, report: &Report) -> picture::Knowledge {

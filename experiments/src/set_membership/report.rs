@@ -10,8 +10,8 @@ use csat_proto::region::Region;
 use csat_proto::time::Step;
 use serde::{Deserialize, Serialize};
 
-use crate::metrics::oem_iou_pct;
-use crate::metrics::percent_of;
+use super::measures::oem_iou_pct;
+use super::measures::percent_of;
 use csat_mission::mission::{Detail, Tally};
 
 /// What an agent knows at the end of a step. Sets are on the grid of `proto::region`, bit by bit

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::tape::Tape;
 use super::{FILE, map, scene, truth};
-use crate::mission::{Audience, Moment};
+use crate::flight::{Audience, Moment};
 use crate::record::RecordError;
 use crate::scenario::Loaded;
 use csat_mission::documents::{AgentStep, Document, agent_documents};
@@ -71,7 +71,7 @@ impl<M: Mission> Recording<M> {
     ) -> Result<Self, RecordError> {
         let Loaded { name, scenario, world, .. } = loaded;
         let every = (period_s / scenario.run.period_s).round().clamp(1.0, f64::from(u32::MAX));
-        let mut tape = Tape::create(&folder.join(FILE))?;
+        let mut tape = Tape::create(&folder.join(FILE), M::KIND)?;
         let facts = [
             ("name", name.clone()),
             ("seed", scenario.seed.to_string()),
@@ -82,6 +82,7 @@ impl<M: Mission> Recording<M> {
         tape.describe(METADATA, BTreeMap::from(facts))?;
         tape.attach("scenario.resolved.toml", "application/toml", &loaded.kept().to_toml())?;
         tape.document(truth::TOWN, 0, &truth::town(name, scenario, world))?;
+        tape.document(truth::COLUMNS, 0, &truth::columns(&M::KIND))?;
         tape.message("/map/town", 0, &map::town(world))?;
         tape.message("/scene/town", 0, &scene::town(world))?;
         tape.flush()?;
@@ -117,7 +118,7 @@ impl<M: Mission> Recording<M> {
             let step = AgentStep { passages: &trace.passages, ..step };
             let known = mission.view(step.report);
             let documents = agent_documents(mission, &step, &known);
-            let footprint = truth::rounded(&mission.watched(step.report).footprint);
+            let footprint = truth::rounded(&mission.footprint(step.report));
             Some((documents, Seen { agent: step.agent, footprint, known, is_repeated: false }))
         };
         let (documents, mut seen): (Vec<Vec<Document>>, Vec<Seen>) =

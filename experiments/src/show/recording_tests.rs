@@ -5,7 +5,7 @@ use mcap::{MessageStream, Summary};
 use serde_json::Value;
 
 use super::*;
-use crate::mission::{self, RunOptions};
+use crate::flight::{self, RunOptions};
 use crate::record::{RecordOptions, Recorder};
 use crate::run_folder::Destination;
 use crate::set_membership::SetMembership;
@@ -21,7 +21,7 @@ pub(in crate::show) fn recorded(base: &Scratch, loaded: Loaded, period_s: f64) -
     let folder = recorder.partial_folder().to_owned();
     let mut recording = Recording::create(&folder, mission, &loaded, period_s).unwrap();
     let options = RunOptions::default();
-    let outcome = mission::run(loaded, &options, &mut recorder, &mut recording).unwrap();
+    let outcome = flight::run(loaded, &options, &mut recorder, &mut recording).unwrap();
     let bytes = recording.finish().unwrap();
     let file = recorder.finish(outcome).unwrap().folder.join(FILE);
     assert_eq!(file.metadata().unwrap().len(), bytes);

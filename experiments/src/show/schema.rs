@@ -4,10 +4,12 @@
 //! Foxglove family refuse a schema with anything but booleans, strings, numbers, objects and arrays of
 //! those: arrays of arrays are left out, and what is not defined is absent from a document, not null.
 
+use csat_mission::measures::{Column, Of};
+use csat_mission::mission::Kind;
 use serde_json::{Value, json};
 
 /// The schema of the documents of a topic: its name and its text.
-pub fn of_topic(topic: &str) -> (String, String) {
+pub fn of_topic(kind: &Kind, topic: &str) -> (String, String) {
     let name = topic.rsplit('/').next().unwrap_or(topic);
     let is_view = topic.starts_with("view/");
     let mut title = name.to_owned();
@@ -18,15 +20,21 @@ pub fn of_topic(topic: &str) -> (String, String) {
     let head = match name {
         _ if is_view => "agent:n incarnation:n step:n time_s:n",
         // It does not move.
-        "town" => "",
+        "town" | "columns" => "",
         _ => "step:n time_s:n",
     };
     let own = if is_view { of_view(name) } else { of_truth(name) };
-    let mut schema = object(&format!("{head} {own}"));
+    let numbers = match name {
+        "stats" => numbers(kind.columns.iter().filter(|column| column.of == Of::Agent)),
+        "metrics" => numbers(kind.columns.iter()),
+        _ => String::new(),
+    };
+    let mut schema = object(&format!("{head} {numbers} {own}"));
     let nested = match name {
         "plan" => Some(("poses", "p_world:[n] yaw_rad:n")),
         "links" => Some(("heard", "src:n channel:n outcome:s count:n delay_s:n?")),
         "town" => Some(("stations", "x_m:n y_m:n z_m:n")),
+        "columns" => Some(("columns", "key:s name:s unit:s of:s meaning:s")),
         "targets" if !is_view => Some(("targets", "target:n location:[n]")),
         _ => None,
     };
@@ -40,15 +48,17 @@ pub fn of_topic(topic: &str) -> (String, String) {
     (title, schema.to_string())
 }
 
+/// The mission's numbers: what is not defined is absent.
+fn numbers<'a>(columns: impl Iterator<Item = &'a Column>) -> String {
+    columns.map(|column| format!("{}:n? ", column.key)).collect()
+}
+
 fn of_view(name: &str) -> &'static str {
     match name {
         "pose" => "p_world:[n] yaw_rad:n",
         "targets" | "unexplored" | "obstacles" => "type:s",
         "hidden" | "oem" => "cell_m:n origin_m:[n]",
-        "stats" => {
-            "identified:n unexplored_pct:n hidden_pct:n oem_iou_pct:n? news_age_s:n? vertices:n \
-             bytes_sent:n withheld:n"
-        }
+        "stats" => "bytes_sent:n withheld:n",
         _ => "",
     }
 }
@@ -59,11 +69,8 @@ fn of_truth(name: &str) -> &'static str {
             "type:s size_m:[n] center:[n]? scenario:s seed:n agents:n targets:n duration_s:n \
              period_s:n attribution:s?"
         }
-        "metrics" => {
-            "unexplored_pct:n? hidden_pct:n? explored_pct:n? footprint_pct:n? ground_seen_pct:n? \
-             localization_error_m:n? target_radius_m:n? oem_iou_pct:n? identified:n? \
-             identified_union:n? targets_in_fov:n? violations:n bytes_sent:n alive:[b] late:[b]"
-        }
+        "columns" => "mission:s headline:[s]",
+        "metrics" => "violations:n bytes_sent:n alive:[b] late:[b]",
         "lives" => "agent:n event:s incarnation:n",
         _ => "",
     }
@@ -91,17 +98,20 @@ fn object(members: &str) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::set_membership::SetMembership;
+    use csat_mission::mission::Mission;
 
     #[test]
     fn schemas_name_what_can_be_plotted() {
-        let (name, text) = of_topic("view/3/stats");
+        let kind = SetMembership::KIND;
+        let (name, text) = of_topic(&kind, "view/3/stats");
         assert_eq!(name, "csat.ViewStats");
         let schema: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(schema["properties"]["unexplored_pct"]["type"], "number");
         let required = schema["required"].as_array().unwrap();
-        assert!(required.contains(&"unexplored_pct".into()));
+        assert!(required.contains(&"bytes_sent".into()));
         assert!(!required.contains(&"oem_iou_pct".into()));
-        let (name, text) = of_topic("truth/targets");
+        let (name, text) = of_topic(&kind, "truth/targets");
         assert_eq!(name, "csat.TruthTargets");
         let schema: Value = serde_json::from_str(&text).unwrap();
         let items = &schema["properties"]["targets"]["items"]["properties"];

@@ -14,6 +14,7 @@ use super::schema;
 use crate::record::RecordError;
 use crate::run_folder::{FolderError, PartialFile};
 use csat_mission::documents::Document;
+use csat_mission::mission::Kind;
 
 /// The key under which a channel of documents says which kind of JSON they are.
 pub const MEDIA_TYPE: &str = "media_type";
@@ -30,6 +31,8 @@ const LZ4_LEVEL: u32 = 3;
 pub struct Tape {
     writer: Writer<NoSeek<Counted>>,
     path: PathBuf,
+    /// What schemas of numbers follow from.
+    kind: Kind,
     /// The channel of each topic and how many messages it has.
     channels: BTreeMap<String, (u16, u32)>,
 }
@@ -53,11 +56,11 @@ impl Write for Counted {
 }
 
 impl Tape {
-    /// Starts the file that will be at `path`.
+    /// Starts the file that will be at `path`, of a mission of this kind.
     ///
     /// # Errors
     /// When the system refuses.
-    pub fn create(path: &Path) -> Result<Self, RecordError> {
+    pub fn create(path: &Path, kind: Kind) -> Result<Self, RecordError> {
         let file = Counted { file: PartialFile::create(path.to_owned())?, bytes: 0 };
         let writer = WriteOptions::new()
             .compression(Some(Compression::Lz4))
@@ -66,7 +69,7 @@ impl Tape {
             .disable_seeking(true)
             .create(NoSeek::new(file))
             .map_err(|error| mcap_error(path, error))?;
-        Ok(Self { writer, path: path.to_owned(), channels: BTreeMap::new() })
+        Ok(Self { writer, path: path.to_owned(), kind, channels: BTreeMap::new() })
     }
 
     /// Adds a file.
@@ -108,7 +111,7 @@ impl Tape {
         document: &Document,
     ) -> Result<(), RecordError> {
         if !self.channels.contains_key(topic) {
-            let (name, text) = schema::of_topic(&document.topic);
+            let (name, text) = schema::of_topic(&self.kind, &document.topic);
             let media_type = document.encoding.media_type().to_owned();
             let metadata = BTreeMap::from([(MEDIA_TYPE.to_owned(), media_type)]);
             self.open(topic, "json", (&name, "jsonschema", text.as_bytes()), &metadata)?;

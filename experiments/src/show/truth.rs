@@ -5,21 +5,24 @@ use csat_proto::model::Station;
 use csat_proto::time::Step;
 use csat_world::world::World;
 use serde::Serialize;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 
-use crate::mission::Moment;
+use crate::flight::Moment;
 use crate::scenario::Scenario;
-use crate::series::{Means, Point};
+use crate::series::Point;
 use crate::view::Building;
 use csat_mission::documents::{Document, micro};
 use csat_mission::engine::{LifeEvent, StepTrace};
-use csat_mission::mission::Mission;
+use csat_mission::measures::{Column, Curve, Of};
+use csat_mission::mission::{Kind, Mission};
 use csat_mission::picture::Ring;
 use csat_mission::picture::to_millimetre;
 use csat_mission::shape;
 
 /// The name of the town's document.
 pub const TOWN: &str = "truth/town";
+/// The name of the document of what is measured.
+pub const COLUMNS: &str = "truth/columns";
 
 /// Members of the town's collection beside its features.
 #[derive(Debug, Serialize)]
@@ -92,33 +95,13 @@ pub fn targets<M: Mission>(moment: &Moment<'_, M>) -> Document {
     Document::json("truth/targets", &Targets { step, time_s, targets: located.collect() })
 }
 
-/// `truth/metrics`. What is not defined is not there.
+/// `truth/metrics`: the mission's values, averaged over its UAVs. What is not defined is not there.
 #[derive(Debug, Serialize)]
 struct Metrics {
     step: Step,
     time_s: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    unexplored_pct: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    hidden_pct: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    explored_pct: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    footprint_pct: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    ground_seen_pct: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    localization_error_m: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    target_radius_m: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    oem_iou_pct: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    identified: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    identified_union: Option<u16>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    targets_in_fov: Option<u16>,
+    #[serde(flatten)]
+    values: Map<String, Value>,
     violations: u64,
     bytes_sent: u64,
     alive: Vec<bool>,
@@ -127,10 +110,12 @@ struct Metrics {
 
 /// `truth/metrics`: one point of the curves.
 pub fn metrics<M: Mission>(moment: &Moment<'_, M>) -> Document {
-    let point = Point::of(moment.rows);
-    let mean = |value: fn(&Means) -> f64| point.as_ref().map(|p| micro(value(&p.means)));
-    let some_mean =
-        |value: fn(&Means) -> Option<f64>| point.as_ref().and_then(|p| value(&p.means)).map(micro);
+    let columns = M::KIND.columns;
+    let point = Point::of(columns, moment.rows);
+    let values = columns.iter().filter_map(|column| {
+        let value = point.as_ref()?.get(columns, column.key)?;
+        Some((column.key.to_owned(), number(column, value)))
+    });
     let alive = moment.trace.alive.clone();
     let mut late = alive.clone();
     for agent in &moment.trace.flown {
@@ -139,23 +124,52 @@ pub fn metrics<M: Mission>(moment: &Moment<'_, M>) -> Document {
     let metrics = Metrics {
         step: moment.trace.step,
         time_s: moment.time_s,
-        unexplored_pct: mean(|m| m.unexplored_pct),
-        hidden_pct: mean(|m| m.hidden_pct),
-        explored_pct: mean(|m| m.explored_pct),
-        footprint_pct: mean(|m| m.footprint_pct),
-        ground_seen_pct: mean(|m| m.ground_seen_pct),
-        localization_error_m: some_mean(|m| m.localization_error_m),
-        target_radius_m: some_mean(|m| m.target_radius_m),
-        oem_iou_pct: some_mean(|m| m.oem_iou_pct),
-        identified: point.as_ref().map(|p| micro(p.identified)),
-        identified_union: point.as_ref().map(|p| p.identified_union),
-        targets_in_fov: point.as_ref().map(|p| p.targets_in_fov),
+        values: values.collect(),
         violations: moment.violations,
         bytes_sent: moment.trace.flown.iter().map(|flown| flown.bytes_sent).sum(),
         alive,
         late,
     };
     Document::json("truth/metrics", &metrics)
+}
+
+/// A count of the fleet is a whole number; a mean over agents is not.
+fn number(column: &Column, value: f64) -> Value {
+    if column.is_count && column.of == Of::Fleet {
+        json!(value as u64)
+    } else {
+        json!(micro(value))
+    }
+}
+
+/// `truth/columns`: what the numbers of `truth/metrics` and of `view/{i}/stats` are, and which curves to draw.
+pub fn columns(kind: &Kind) -> Document {
+    let column = |c: &Column| {
+        json!({
+            "key": c.key,
+            "name": c.name,
+            "unit": c.unit,
+            "of": if c.of == Of::Fleet { "fleet" } else { "agent" },
+            "meaning": c.meaning,
+        })
+    };
+    let curve = |c: &Curve| json!({ "key": c.column, "name": c.name, "colour": c.colour });
+    let panels = kind.panels.iter().filter_map(|panel| {
+        let [least, greatest] = panel.axis;
+        Some(json!({
+            "title": panel.live?,
+            "unit": panel.unit,
+            "top": (least == greatest).then_some(greatest),
+            "curves": panel.curves.iter().map(curve).collect::<Vec<_>>(),
+        }))
+    });
+    let body = json!({
+        "mission": kind.name,
+        "headline": kind.headline,
+        "columns": kind.columns.iter().map(column).collect::<Vec<_>>(),
+        "panels": panels.collect::<Vec<_>>(),
+    });
+    Document::json(COLUMNS, &body)
 }
 
 /// `truth/lives`.

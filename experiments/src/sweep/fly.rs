@@ -16,7 +16,8 @@ use super::plan::Run;
 use super::record::RunRecord;
 use super::seeds::Shard;
 use super::{SweepError, check};
-use crate::mission::{self, RunOptions};
+use crate::flight::RunOptions;
+use crate::missions;
 use crate::record::{RecordOptions, Recorder};
 use crate::run_folder::Destination;
 
@@ -75,8 +76,11 @@ impl Hangar<'_> {
         let mut recorder = Recorder::create(&loaded, &RecordOptions { destination, quiet: true })
             .map_err(|e| e.to_string())?;
         let options = RunOptions { interrupted: self.stop.clone() };
-        let outcome =
-            mission::run(loaded, &options, &mut recorder, &mut ()).map_err(|e| e.to_string())?;
+        let mission = missions::find(&loaded.scenario.mission).expect("it was loaded");
+        let (options, record_period_s) = (&options, None);
+        let flight =
+            missions::Request { loaded, options, recorder: &mut recorder, record_period_s };
+        let outcome = mission.fly(flight).map_err(|e| e.to_string())?.outcome;
         if outcome.interrupted {
             return Ok(None);
         }

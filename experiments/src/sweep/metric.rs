@@ -1,111 +1,101 @@
 //! The numbers of a run that reports and comparisons show first.
 
-use super::results;
+use csat_mission::measures::{Level, Milestone, Plot};
+use csat_mission::mission::Kind;
+
+use super::record::RunRecord;
+use super::results::Results;
+use crate::{missions, summary};
 
 /// What is drawn of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Metric {
     /// Its key in `sweep.csv`.
     pub key: &'static str,
-    /// What people call it.
-    pub title: &'static str,
-    /// Unit of its axis.
-    pub unit: &'static str,
-    /// How it is called in a table.
-    pub short: &'static str,
-    /// The most it can be.
-    pub top: f64,
-    /// What there is to say under its plot.
-    pub note: &'static str,
-    /// Whether less of it is better; else more is.
-    pub less_is_better: bool,
+    /// How it is drawn.
+    pub plot: Plot,
 }
 
-const NO_TOP: f64 = f64::INFINITY;
-const SECOND_HALF: &str = "Mean over the second half of the mission and over the agents.";
+/// Share of the messages that arrived, per cent.
+pub const DELIVERED: &str = "messages.delivered_pct";
 
-/// Everything that is drawn, if the sweep has it.
-pub const METRICS: [Metric; 9] = [
-    Metric {
-        key: "unexplored_pct",
-        title: "Unexplored ground",
-        unit: "% of the region",
-        short: "unexplored, %",
-        top: 100.0,
-        note: SECOND_HALF,
-        less_is_better: true,
-    },
-    Metric {
-        key: "hidden_pct",
-        title: "Hidden part of the unexplored ground",
-        unit: "% of the region",
-        short: "hidden, %",
-        top: 100.0,
-        note: SECOND_HALF,
-        less_is_better: true,
-    },
-    Metric {
-        key: "explored_pct",
-        title: "Explored ground",
-        unit: "% of the region",
-        short: "explored, %",
-        top: 100.0,
-        note: SECOND_HALF,
-        less_is_better: false,
-    },
-    Metric {
-        key: results::RESTRICTED,
-        title: "Time until the fleet has identified all targets",
-        unit: "s",
-        short: "all identified, s",
-        top: NO_TOP,
-        note: "Hollow triangles: runs that never identified all; they count with the mission's \
-               length, so that means are lower bounds where there are any.",
-        less_is_better: true,
-    },
-    Metric {
-        key: "localization_error_m",
-        title: "Localisation error",
-        unit: "m",
-        short: "localisation error, m",
-        top: NO_TOP,
-        note: SECOND_HALF,
-        less_is_better: true,
-    },
-    Metric {
-        key: "target_radius_m",
-        title: "Target set, radius of equal area",
-        unit: "m",
-        short: "target radius, m",
-        top: NO_TOP,
-        note: SECOND_HALF,
-        less_is_better: true,
-    },
+/// What runs of any mission have.
+const COMMON: [Metric; 3] = [
     Metric {
         key: "bytes_sent",
-        title: "Bytes sent by all agents",
-        unit: "bytes",
-        short: "bytes sent",
-        top: NO_TOP,
-        note: "Each message once, however many hear it.",
-        less_is_better: true,
+        plot: Plot::less("Bytes sent by all agents", "bytes sent", "bytes")
+            .note("Each message once, however many hear it."),
     },
     Metric {
-        key: results::DELIVERED,
-        title: "Messages that arrived",
-        unit: "% of those sent",
-        short: "delivered, %",
-        top: 100.0,
-        note: "Per receiver.",
-        less_is_better: false,
+        key: DELIVERED,
+        plot: Plot::more("Messages that arrived", "delivered, %", "% of those sent")
+            .up_to(100.0)
+            .note("Per receiver."),
     },
     Metric {
         key: "violations",
-        title: "Violations of what is guaranteed",
-        unit: "count",
-        short: "violations",
-        top: NO_TOP,
-        note: "Any other value than 0 is a fault of the program.",
-        less_is_better: true,
+        plot: Plot::less("Violations of what is guaranteed", "violations", "count")
+            .note("Any other value than 0 is a fault of the program."),
     },
 ];
+
+/// Everything that is drawn of a kind of mission, if the runs have it: first what people ask for first.
+pub fn metrics(kind: &Kind) -> Vec<Metric> {
+    let plotted = kind.columns.iter().filter_map(|column| {
+        Some(Metric { key: column.key, plot: column.plot.filter(|_| column.in_summary)? })
+    });
+    let (first, others): (Vec<_>, Vec<_>) =
+        plotted.partition(|metric| kind.headline.contains(&metric.key));
+    let milestones = kind.milestones.iter().map(|m| Metric { key: m.restricted, plot: m.plot });
+    first.into_iter().chain(others).chain(milestones).chain(COMMON).collect()
+}
+
+/// Everything that is drawn of several kinds of missions.
+pub fn metrics_of(kinds: impl IntoIterator<Item = &'static Kind>) -> Vec<Metric> {
+    let mut all: Vec<Metric> = Vec::new();
+    for metric in kinds.into_iter().flat_map(metrics) {
+        if all.iter().all(|known| known.key != metric.key) {
+            all.push(metric);
+        }
+    }
+    // What any mission has comes last.
+    all.sort_by_key(|metric| COMMON.iter().any(|common| common.key == metric.key));
+    all
+}
+
+impl Results {
+    /// Everything that is drawn of its runs.
+    pub fn metrics(&self) -> Vec<Metric> {
+        metrics_of(self.runs.iter().filter_map(|(_, record)| kind_of(record.as_ref()?)))
+    }
+}
+
+/// The kind of mission of a run; `None` for one that failed, or of a kind that this program does not know.
+pub fn kind_of(record: &RunRecord) -> Option<&'static Kind> {
+    let summary = record.summary.as_ref()?;
+    missions::kind(summary.get("mission").map_or(Some(summary::FIRST), |name| name.as_str())?)
+}
+
+/// The milestone of a run whose restricted time has this key.
+pub fn milestone(record: &RunRecord, key: &str) -> Option<&'static Milestone> {
+    kind_of(record)?.milestones.iter().find(|milestone| milestone.restricted == key)
+}
+
+/// A number of a run, those that follow from its summary included.
+pub fn metric(record: &RunRecord, key: &str) -> Option<f64> {
+    if key == DELIVERED {
+        let sent = record.number("messages.sent").filter(|sent| *sent > 0.0)?;
+        return Some(100.0 * record.number("messages.delivered")? / sent);
+    }
+    match milestone(record, key) {
+        // A fleet that has nothing to find finds it neither in time nor late.
+        Some(m) if m.level == Level::Targets && record.number("targets") == Some(0.0) => None,
+        Some(milestone) => record.number(milestone.key).or_else(|| record.number("sim_s")),
+        None => record.number(key),
+    }
+}
+
+/// Whether a run never reached the milestone whose restricted time has this key.
+pub fn is_open(record: &RunRecord, key: &str) -> bool {
+    milestone(record, key).is_some_and(|milestone| record.number(milestone.key).is_none())
+}

@@ -152,7 +152,7 @@ pub fn by_seed(
 mod tests {
     use super::*;
     use crate::sweep::manifest::tests::sample;
-    use crate::sweep::results::metric;
+    use crate::sweep::metric::metric;
     use crate::sweep::results::tests::made_up;
 
     fn reference(vary: &[&str], against: Option<&str>) -> Result<Option<Reference>, String> {

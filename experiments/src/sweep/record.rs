@@ -5,10 +5,13 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use csat_mission::measures::Column;
+
 use super::manifest::Manifest;
+use super::metric::kind_of;
 use super::plan::Run;
 use crate::provenance::Build;
-use crate::summary::Summary;
+use crate::summary::{Summary, in_words};
 
 /// What became of one run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -93,16 +96,18 @@ impl RunRecord {
         if let Some(why) = &self.failed {
             return format!("FAILED: {}", why.lines().next().unwrap_or_default());
         }
-        let number = |key| self.number(key).map_or("-".to_owned(), |n| format!("{n}"));
-        let unexplored = self.number("unexplored_pct").unwrap_or_default();
-        let violated = match self.violations() {
-            0 => String::new(),
-            n => format!(", VIOLATIONS {n}"),
+        let columns = kind_of(self)
+            .into_iter()
+            .flat_map(|kind| kind.headline.iter().filter_map(|key| kind.column(key)));
+        let targets = self.number("targets").map_or(0, |n| n as u16);
+        let value = |column: &'static Column| {
+            let value = self.number(column.last_as.unwrap_or(column.key));
+            format!("{} {}", column.name, in_words(column, value, targets))
         };
-        format!(
-            "identified {}/{}, unexplored {unexplored:.1} %{violated}",
-            number("identified"),
-            number("targets"),
-        )
+        let mut told: Vec<String> = columns.map(value).collect();
+        if self.violations() > 0 {
+            told.push(format!("VIOLATIONS {}", self.violations()));
+        }
+        told.join(", ")
     }
 }

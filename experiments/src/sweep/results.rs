@@ -6,6 +6,7 @@ use serde_json::Value;
 
 use super::folder::{BadRun, SweepFolder};
 use super::manifest::Manifest;
+use super::metric::{DELIVERED, kind_of, metric};
 use super::plan::Run;
 use super::record::RunRecord;
 use super::seeds::Shard;
@@ -122,8 +123,11 @@ pub fn values(record: &RunRecord) -> Values {
         }
         let delivered = metric(record, DELIVERED).map_or(Value::Null, Value::from);
         values.insert(DELIVERED.to_owned(), delivered);
-        let restricted = metric(record, RESTRICTED).map_or(Value::Null, Value::from);
-        values.insert(RESTRICTED.to_owned(), restricted);
+        let milestones = kind_of(record).map_or(&[][..], |kind| kind.milestones);
+        for restricted in milestones.iter().map(|milestone| milestone.restricted) {
+            let value = metric(record, restricted).map_or(Value::Null, Value::from);
+            values.insert(restricted.to_owned(), value);
+        }
     }
     values
 }
@@ -139,26 +143,6 @@ fn flatten(key: &str, value: &Value, into: &mut BTreeMap<String, Value>) {
         value => {
             into.insert(key.to_owned(), value.clone());
         }
-    }
-}
-
-/// Share of the messages that arrived, per cent.
-pub const DELIVERED: &str = "messages.delivered_pct";
-/// When all targets were identified, seconds, or else the end of the mission: its mean is the
-/// restricted mean time, which runs that never found all do not bias.
-pub const RESTRICTED: &str = "all_identified_restricted_s";
-
-/// A number of a run, those that follow from its summary included.
-pub fn metric(record: &RunRecord, key: &str) -> Option<f64> {
-    match key {
-        DELIVERED => {
-            let sent = record.number("messages.sent").filter(|sent| *sent > 0.0)?;
-            Some(100.0 * record.number("messages.delivered")? / sent)
-        }
-        // A fleet that has nothing to find finds it neither in time nor late.
-        RESTRICTED if record.number("targets") == Some(0.0) => None,
-        RESTRICTED => record.number("all_identified_s").or_else(|| record.number("sim_s")),
-        key => record.number(key),
     }
 }
 
@@ -178,14 +162,14 @@ pub(crate) mod tests {
             let first = manifest.points[run.point].choice.first().copied().flatten();
             let level = first.map_or(0.0, |f| 30.0 - 4.0 * f as f64);
             let noise = (run.seed as f64 * 2.7 + number as f64).sin();
-            let mut summary = Summary {
-                violations: u64::from(number == 5),
-                all_identified_s: (number % 7 != 3).then_some(100.0 + 5.0 * level + 20.0 * noise),
-                ..crate::summary::tests::sample()
-            };
-            summary.means.unexplored_pct = 20.0 + level + 2.0 * noise;
-            summary.means.explored_pct = 80.0 - level - 2.0 * noise;
-            summary.means.localization_error_m = (number % 11 != 4).then_some(2.0 + noise);
+            let mut summary =
+                Summary { violations: u64::from(number == 5), ..crate::summary::tests::sample() };
+            let all_s = (number % 7 != 3).then_some(100.0 + 5.0 * level + 20.0 * noise);
+            let error_m = (number % 11 != 4).then_some(2.0 + noise);
+            summary.numbers.set("all_identified_s", all_s);
+            summary.numbers.set("unexplored_pct", Some(20.0 + level + 2.0 * noise));
+            summary.numbers.set("explored_pct", Some(80.0 - level - 2.0 * noise));
+            summary.numbers.set("localization_error_m", error_m);
             let outcome = match number {
                 2 => Err("panicked at x.rs:1: <wing> & \"tail\"".to_owned()),
                 _ => Ok(serde_json::to_value(&summary).unwrap()),

@@ -12,6 +12,7 @@ use zenoh::sample::{Sample, SampleKind};
 
 use super::WatchError;
 use super::feed::{Document, Hub};
+use crate::show::truth;
 use csat_mission::timing::Stopwatch;
 
 /// Documents that were heard and are not read yet; one step of 64 agents is under 600.
@@ -54,7 +55,7 @@ pub async fn follow(session: &Session, hub: &Arc<Hub>, run: Option<u64>) -> Resu
     let alive = alive.callback(move |sample| queue(&sample, &token_sender, &token_lost)).await;
     let _alive = alive.map_err(refused)?;
     tokio::select! {
-        result = ask_for_the_town(session, hub, &runs, &sender) => result,
+        result = ask_for_what_is_still(session, hub, &runs, &sender) => result,
         () = read(receiver, hub, &lost, Choice::default()) => Ok(()),
     }
 }
@@ -79,19 +80,21 @@ fn queue(sample: &Sample, sender: &Sender<Heard>, lost: &AtomicU64) {
     }
 }
 
-/// The town is said once, at the start: whoever comes later asks.
-async fn ask_for_the_town(
+/// What is published once, at the start: a listener that comes later asks for it.
+const STILL: [&str; 2] = [truth::TOWN, truth::COLUMNS];
+
+async fn ask_for_what_is_still(
     session: &Session,
     hub: &Hub,
     runs: &str,
     sender: &Sender<Heard>,
 ) -> Result<(), WatchError> {
     loop {
-        if !hub.has("truth/town") {
-            let key = format!("csat/{runs}/truth/town");
+        if !STILL.iter().all(|topic| hub.has(topic)) {
+            let key = format!("csat/{runs}/truth/*");
             let replies = session.get(key).timeout(ASKING).await.map_err(refused)?;
             while let Ok(reply) = replies.recv_async().await {
-                // An error is somebody's without a town.
+                // An error is that of a peer without documents.
                 if let Ok(sample) = reply.result() {
                     hear(sample, sender, &AtomicU64::new(0));
                 }

@@ -177,7 +177,7 @@ fn curves_seek_and_tell_values(browser: &mut Browser) {
         browser.wait_for(&near(0.75));
     }
     // Under the pointer stands the value of that time.
-    let unexplored = "#curves figure:nth-child(1)";
+    let unexplored = "#curves figure:nth-child(3)";
     let at = browser.pixel(&format!("{unexplored} canvas"), [0.2, 0.5]);
     browser.hover(at);
     let told = format!("document.querySelector('{unexplored} output').textContent");

@@ -11,15 +11,17 @@ use csat_experiments::scenario::Scenario;
 use csat_experiments::set_membership::SetMembership;
 use csat_experiments::set_membership::report::Report;
 use csat_mission::documents::{AgentStep, Document};
-use csat_mission::mission::{Detail, Mission, Tally, Watched};
-use csat_mission::row::StepRecord;
+use csat_mission::judge::{Judge, Judged};
+use csat_mission::measures::{Measures, Values};
+use csat_mission::mission::{Detail, Kind, Mission, Tally};
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::command::YawCommand;
 use csat_proto::frame::Frame;
-use csat_proto::ids::{AgentId, Incarnation, TargetId};
+use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::radio::Reception;
 use csat_proto::time::{SimTime, Step};
+use csat_world::target::TargetTruth;
 use serde::{Deserialize, Serialize};
 
 /// What is wrong with one agent.
@@ -128,6 +130,10 @@ pub struct FaultyReport {
 impl Mission for Faulty {
     type Agent = FaultyAgent;
     type Report = FaultyReport;
+    type Judge = Self;
+    type Measures = Self;
+
+    const KIND: Kind = Kind { columns: &[], ..SetMembership::KIND };
 
     fn agent(&self, id: AgentId, incarnation: Incarnation) -> FaultyAgent {
         let handicap = self.handicaps.get(usize::from(id.0)).cloned().unwrap_or_default();
@@ -149,22 +155,16 @@ impl Mission for Faulty {
         Step(report.inner.step.0.saturating_sub(report.ahead))
     }
 
-    fn admits(
-        &self,
-        report: &FaultyReport,
-        target: TargetId,
-        location: [f64; 2],
-        tolerance_m: f64,
-    ) -> bool {
-        self.mission.admits(&report.inner, target, location, tolerance_m)
+    fn judge(&self) -> Faulty {
+        self.clone()
     }
 
-    fn measure(&self, report: &FaultyReport, truth: &[[f64; 2]], row: &mut StepRecord) {
-        self.mission.measure(&report.inner, truth, row);
+    fn measures(&self) -> Faulty {
+        self.clone()
     }
 
-    fn watched<'a>(&self, report: &'a FaultyReport) -> Watched<'a> {
-        self.mission.watched(&report.inner)
+    fn footprint(&self, report: &FaultyReport) -> Vec<[f64; 2]> {
+        self.mission.footprint(&report.inner)
     }
 
     fn view(&self, report: &FaultyReport) -> csat_mission::picture::Knowledge {
@@ -186,5 +186,22 @@ impl Mission for Faulty {
 
     fn is_inconsistency(&self, event: &Event) -> bool {
         self.mission.is_inconsistency(event)
+    }
+}
+
+impl Judge<FaultyReport> for Faulty {
+    fn judge(&mut self, agent: AgentId, report: &FaultyReport, targets: &[TargetTruth]) -> Judged {
+        Mission::judge(&self.mission).judge(agent, &report.inner, targets)
+    }
+}
+
+/// The swarm measures nothing.
+impl Measures<FaultyReport> for Faulty {
+    fn fleet(&mut self, _: &[&FaultyReport], _: &[[f64; 2]]) -> Values {
+        Values::new()
+    }
+
+    fn agent(&self, _: &FaultyReport, _: &[[f64; 2]]) -> Values {
+        Values::new()
     }
 }

@@ -3,23 +3,19 @@
 use std::collections::BTreeMap;
 
 use csat_agent::agent::Event;
+use csat_experiments::set_membership::judge::{TOLERANCE_M, admits};
 use csat_mission::engine::{LifeEvent, StepTrace};
-use csat_mission::mission::Mission;
 use csat_netem::link::Arrival;
 use csat_proto::envelope::Envelope;
 use csat_proto::ids::{AgentId, ChannelId, Incarnation, TargetId};
 use csat_proto::message::{Fact, Known, Message};
 use csat_proto::region::{Region, metres};
 use csat_proto::time::Step;
-use csat_world::truth::GUARANTEE_TOLERANCE_M;
 
 use super::claims::Claims;
 use super::draw::Draw;
 use super::faulty::Faulty;
 use super::{Exercise, Swarm, merge};
-
-/// ε of the guarantee, metres.
-const TOLERANCE_M: f64 = GUARANTEE_TOLERANCE_M;
 
 /// Identity of a message: sender, life, radio, number.
 type Identity = (AgentId, Incarnation, ChannelId, u64);
@@ -29,7 +25,6 @@ pub struct Laws {
     period_s: f64,
     max_age_s: f64,
     clock_skew_s: f64,
-    mission: Faulty,
     /// By how many steps each agent's clock is ahead.
     ahead: Vec<u32>,
     misses_frames: bool,
@@ -57,7 +52,6 @@ impl Laws {
             period_s: draw.scenario.run.period_s,
             max_age_s: draw.scenario.exchange.max_age_s,
             clock_skew_s: draw.scenario.exchange.clock_skew_s,
-            mission: draw.mission(),
             ahead: draw.handicaps.iter().map(|handicap| handicap.ahead).collect(),
             misses_frames: draw.handicaps.iter().any(|handicap| !handicap.missed.is_empty()),
             truth: Vec::new(),
@@ -128,7 +122,7 @@ impl Laws {
                 let [x, y] = metres(*north);
                 let admits = |beyond: f64| {
                     let p = [x, y + beyond * TOLERANCE_M];
-                    self.mission.admits(report, target, p, TOLERANCE_M)
+                    admits(&report.inner, target, p)
                 };
                 if !admits(0.5) || admits(2.0) {
                     return Err(format!(

@@ -179,10 +179,10 @@ proptest! {
         let mut cars = Scripted::new(tracks);
         let period_s = 0.25;
         let mut monitor = crate::truth::Monitor::new(GROUND, model, period_s, &[wall()]);
-        let mut violations = monitor.check(csat_proto::time::Step(0), &[], cars.truths()).len();
+        let mut violations = monitor.check(csat_proto::time::Step(0), cars.truths()).len();
         for k in 1..=240u32 {
             cars.advance_to(f64::from(k) * period_s, period_s);
-            violations += monitor.check(csat_proto::time::Step(k), &[], cars.truths()).len();
+            violations += monitor.check(csat_proto::time::Step(k), cars.truths()).len();
         }
         prop_assert!(!is_right || violations == 0, "{violations}");
     }

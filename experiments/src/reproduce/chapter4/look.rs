@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::scene::{self, CARS_M};
 use super::settings::Setting;
-use crate::metrics::equivalent_radius_m;
+use crate::set_membership::measures::equivalent_radius_m;
 use crate::sweep::stats::{Stats, stats};
 
 /// The least distances between cars that figure 4.19 may be about, metres; the text names 6 and 8.

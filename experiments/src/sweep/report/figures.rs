@@ -3,8 +3,8 @@
 
 use crate::report::axis::XAxis;
 use crate::report::chart::{Chart, Dot, Line, Mark};
-use crate::sweep::metric::Metric;
-use crate::sweep::results::{RESTRICTED, Results, metric};
+use crate::sweep::metric::{self, Metric, metric};
+use crate::sweep::results::Results;
 use crate::sweep::stats::Stats;
 
 /// The most groups of plots; beyond that, the tables say it.
@@ -60,7 +60,7 @@ pub fn chart<'a>(results: &Results, facet: &Facet, what: &Metric, x: &'a XAxis) 
         line
     });
     let lines = lines.collect();
-    Chart { title: what.title.to_owned(), unit: what.unit, x, top: what.top, lines }
+    Chart { title: what.plot.title.to_owned(), unit: what.plot.unit, x, top: what.plot.top, lines }
 }
 
 /// The choice at a value of the first key and one of the second, where there are so many.
@@ -83,7 +83,7 @@ fn last_key(keys: &[String]) -> String {
 fn mark(results: &Results, point: usize, key: &str) -> Mark {
     let mut mark = Mark::default();
     for record in results.flown(point) {
-        let is_open = key == RESTRICTED && record.number("all_identified_s").is_none();
+        let is_open = metric::is_open(record, key);
         match metric(record, key) {
             Some(value) => mark.runs.push(Dot { seed: record.seed, value, is_open }),
             None => mark.without += 1,

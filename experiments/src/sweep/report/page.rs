@@ -7,7 +7,6 @@ use crate::report::axis::short;
 use crate::report::page;
 use crate::report::shapes::escaped;
 use crate::sweep::manifest::Manifest;
-use crate::sweep::metric::METRICS;
 use crate::sweep::results::{Counts, Results};
 
 /// The most failed or missing runs that are listed one by one.
@@ -118,9 +117,9 @@ fn plots(results: &Results) -> String {
         if !facet.name.is_empty() {
             let _ = writeln!(page, "<h3>{}</h3>", escaped(&facet.name));
         }
-        page += &page::figures(METRICS.iter().filter_map(|metric| {
+        page += &page::figures(results.metrics().iter().filter_map(|metric| {
             let chart = figures::chart(results, facet, metric, &x);
-            let note = format!("{}{}", metric.note, chart.note());
+            let note = format!("{}{}", metric.plot.note, chart.note());
             (!chart.is_empty()).then(|| page::figure(&chart.svg(), &note))
         }));
     }
@@ -142,7 +141,8 @@ fn table(results: &Results) -> String {
         page += "<th class=\"left\">links</th>";
     }
     page += "<th>runs</th>";
-    METRICS.iter().for_each(|metric| page += &format!("<th>{}</th>", escaped(metric.short)));
+    let metrics = results.metrics();
+    metrics.iter().for_each(|m| page += &format!("<th>{}</th>", escaped(m.plot.short)));
     page += "</tr></thead>\n<tbody>\n";
     for (index, point) in manifest.points.iter().enumerate() {
         page += "<tr>";
@@ -161,7 +161,7 @@ fn table(results: &Results) -> String {
         let flown = results.flown(index).count();
         let runs = if flown == all { all.to_string() } else { format!("{flown} of {all}") };
         let _ = write!(page, "<td>{runs}</td>");
-        for metric in &METRICS {
+        for metric in &metrics {
             let _ = write!(page, "<td>{}</td>", cell(results, index, metric.key, flown));
         }
         page += "</tr>\n";

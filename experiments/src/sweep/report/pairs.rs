@@ -8,14 +8,15 @@ use crate::report::axis::XAxis;
 use crate::report::page;
 use crate::report::seeds::SeedLines;
 use crate::report::shapes::escaped;
-use crate::sweep::metric::{METRICS, Metric};
+use crate::sweep::metric::{Metric, metric};
 use crate::sweep::pairs::{Paired, Reference};
-use crate::sweep::results::{Results, metric};
+use crate::sweep::results::Results;
 
 /// The section; empty when there is nothing to compare.
 pub fn section(results: &Results) -> String {
     let Ok(Some(reference)) = Reference::new(&results.manifest) else { return String::new() };
-    let shown: Vec<&Metric> = METRICS.iter().filter(|m| differs(results, &reference, m)).collect();
+    let metrics = results.metrics();
+    let shown: Vec<&Metric> = metrics.iter().filter(|m| differs(results, &reference, m)).collect();
     let head = format!(
         "<h2>Differences within a seed</h2>\n<p>Each mission less the one with the same seed at {}: what \
          differs between seeds falls out. Mean ± half of the 95 % confidence interval of the mean \
@@ -47,7 +48,7 @@ fn table(results: &Results, reference: &Reference, shown: &[&Metric]) -> String 
         let _ = write!(page, "<th class=\"left\">{}</th>", escaped(&axis.title()));
     }
     page += "<th>seeds</th>";
-    shown.iter().for_each(|metric| page += &format!("<th>{}</th>", escaped(metric.short)));
+    shown.iter().for_each(|metric| page += &format!("<th>{}</th>", escaped(metric.plot.short)));
     page += "</tr></thead>\n<tbody>\n";
     for (index, point) in manifest.points.iter().enumerate() {
         let Some(of) = reference.of[index] else { continue };
@@ -79,7 +80,8 @@ fn cell_text(paired: &Paired, metric: &Metric) -> String {
     if paired.is_clear() == Some(true) {
         text = format!("<strong>{text}</strong>");
     }
-    let (better, worse) = if metric.less_is_better { (lower, higher) } else { (higher, lower) };
+    let (better, worse) =
+        if metric.plot.less_is_better { (lower, higher) } else { (higher, lower) };
     format!("{text}<br/><small>{better} better, {worse} worse</small>")
 }
 
@@ -134,8 +136,8 @@ fn plot(
     // Where the first key is what is compared, its reference has no difference.
     let is_origin = |value: &usize| at(*value).is_some_and(|p| reference.of.contains(&Some(p)));
     let origin = (0..x.at.len()).find(is_origin).filter(|_| reference.axis == Some(0));
-    let (title, unit) = (metric.title, metric.unit);
+    let (title, unit) = (metric.plot.title, metric.plot.unit);
     let lines = SeedLines { title, reference: &reference.name, unit, x, places, origin };
-    let note = format!("{}{}", metric.note, lines.note());
+    let note = format!("{}{}", metric.plot.note, lines.note());
     (!lines.is_empty()).then(|| page::figure(&lines.svg(), &note))
 }

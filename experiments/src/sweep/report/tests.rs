@@ -3,7 +3,6 @@ use std::path::Path;
 use super::{figures, html};
 use crate::report::axis::XAxis;
 use crate::report::chart::Chart;
-use crate::sweep::metric::METRICS;
 use crate::sweep::results::tests::made_up;
 
 const PLOT_STYLE: &str = include_str!("../../report/plot.css");
@@ -129,7 +128,7 @@ fn picture(vary: &[&str], metric: usize) -> String {
     let results = made_up(vary, "1..5");
     let facets = figures::facets(&results).unwrap();
     let x: XAxis = figures::x_axis(&results);
-    let chart: Chart<'_> = figures::chart(&results, &facets[0], &METRICS[metric], &x);
+    let chart: Chart<'_> = figures::chart(&results, &facets[0], &results.metrics()[metric], &x);
     let style = format!(
         "<style>{PLOT_STYLE}</style><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n<title>"
     );

@@ -135,7 +135,7 @@ function showHeights() {
   setText('words-oem', `buildings as known (OEM): empty${highest_m > 0 ? `, up to ${highest_m} m` : ''}`);
 }
 
-// A button for each agent, with what it identified.
+// A button for each agent, with the first of its numbers.
 function showAgents() {
   const box = byId('agents');
   const count = agentCount();
@@ -149,8 +149,9 @@ function showAgents() {
     const pressed = String(agent === state.agent);
     if (button.getAttribute('aria-pressed') !== pressed) button.setAttribute('aria-pressed', pressed);
     button.classList.toggle('down', down);
-    const identified = view(agent, 'stats')?.identified;
-    const text = down ? 'crashed' : isNumber(identified) ? `${identified} of ${targetCount() ?? '?'}` : '–';
+    const stats = view(agent, 'stats');
+    const first = columns()?.columns?.find(({ key }) => isNumber(stats?.[key]));
+    const text = down ? 'crashed' : first ? inUnit(stats[first.key], first.unit) : '–';
     if (button.lastChild.textContent !== text) button.lastChild.textContent = text;
   }
 }

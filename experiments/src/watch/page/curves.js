@@ -1,31 +1,39 @@
-// The curves of the thesis below the map, and the time that is shown in them.
+// The curves below the map, which truth/columns lists, and the time that is shown in them.
 
-const CURVES = [
-  { title: 'Unexplored', unit: '%', keys: ['unexplored_pct'], colours: ['#8A6D00'], top: 100 },
-  { title: 'Explored', unit: '%', keys: ['explored_pct'], colours: ['#0072B2'], top: 100 },
-  { title: 'Hidden', unit: '%', keys: ['hidden_pct'], colours: ['#1F5FBF'] },
-  { title: 'Identified', unit: '', keys: ['identified', 'identified_union'], colours: ['#00573F', '#00573F'], top: targetCount, note: 'dashed: by at least one UAV' },
-  { title: 'Localisation', unit: 'm', keys: ['localization_error_m'], colours: ['#D55E00'], note: 'error of the cars\' locations, mean over the UAVs that run' },
-  { title: 'Sent per step', unit: 'B', keys: ['bytes_sent'], colours: ['#5D3A9B'] },
-];
+// What each mission has, whatever else it measures.
+const SENT = { title: 'Sent per step', unit: 'B', curves: [{ key: 'bytes_sent', name: '', colour: '#5D3A9B' }] };
+let curves = [];
+let curvesOf;          // the document that `curves` is made from
 let hovered = null;
 
+const columns = () => state.docs['truth/columns'];
+const column = (key) => columns()?.columns?.find((one) => one.key === key);
+
+// Makes the figures anew when another mission says what it measures.
 function makeCurves(seek) {
-  for (const curve of CURVES) {
-    const figure = document.createElement('figure');
-    figure.className = 'curve';
-    const caption = document.createElement('figcaption');
-    const name = document.createElement('span');
-    name.textContent = curve.title;
-    name.title = curve.note ? `${curve.title}; ${curve.note}` : `${curve.title}, mean over the UAVs that run`;
-    curve.output = document.createElement('output');
-    caption.append(name, curve.output);
-    curve.canvas = document.createElement('canvas');
-    curve.canvas.setAttribute('role', 'img');
-    figure.append(caption, curve.canvas);
-    byId('curves').append(figure);
-    listenToCurve(curve.canvas, seek);
-  }
+  const doc = columns();
+  if (curves.length && doc === curvesOf) return;
+  curvesOf = doc;
+  curves = [...(doc?.panels ?? []), SENT].map((panel) => makeCurve(panel, seek));
+  byId('curves').replaceChildren(...curves.map((curve) => curve.figure));
+}
+
+function makeCurve(panel, seek) {
+  const figure = document.createElement('figure');
+  figure.className = 'curve';
+  const caption = document.createElement('figcaption');
+  const name = document.createElement('span');
+  name.textContent = panel.title;
+  const drawn = panel.curves.map(({ key, name: of }, index) =>
+    [index ? 'dashed: ' : '', of, column(key)?.meaning].filter(Boolean).join(of ? ' ' : ''));
+  name.title = [panel.title, ...drawn.filter(Boolean)].join('; ');
+  const output = document.createElement('output');
+  caption.append(name, output);
+  const canvas = document.createElement('canvas');
+  canvas.setAttribute('role', 'img');
+  figure.append(caption, canvas);
+  listenToCurve(canvas, seek);
+  return { ...panel, figure, output, canvas };
 }
 
 function listenToCurve(canvas, seek) {
@@ -79,8 +87,9 @@ function short(value, unit) {
 }
 
 function drawCurves() {
+  makeCurves(seek);
   const until = LIVE && state.playing ? state.metrics.length : countUntil(state.metrics, (m) => m.time_s);
-  for (const curve of CURVES) drawCurve(curve, until);
+  for (const curve of curves) drawCurve(curve, until);
 }
 
 function drawCurve(curve, until) {
@@ -94,22 +103,22 @@ function drawCurve(curve, until) {
   context.clearRect(0, 0, width, height);
   const plot = plotBox(width, height);
   const [from, to] = timeSpan();
-  const fixed = typeof curve.top === 'function' ? curve.top() : curve.top;
   let most = 0;
-  for (const point of state.metrics) for (const key of curve.keys) if (point[key] > most) most = point[key];
-  const top = fixed ?? roundUp(most);
+  for (const point of state.metrics) for (const { key } of curve.curves) if (point[key] > most) most = point[key];
+  const top = (curve.unit === 'targets' ? targetCount() : curve.top) ?? roundUp(most);
   const x = (time) => plot.left + ((time - from) / (to - from)) * plot.width;
   const y = (value) => plot.top + (1 - value / top) * plot.height;
   drawAxes(context, plot, top, curve.unit, from, to);
-  curve.keys.forEach((key, index) => {
-    const pen = { colour: curve.colours[index], dash: index ? [3, 3] : [] };
+  curve.curves.forEach(({ key, colour }, index) => {
+    const pen = { colour, dash: index ? [3, 3] : [] };
     drawSeries(context, key, x, y, until, pen);
   });
   drawMoments(context, plot, x, until);
   const time = hovered ?? state.time;
-  const value = valueAt(curve.keys[0], time);
-  curve.output.textContent = short(value, curve.unit);
-  canvas.setAttribute('aria-label', `${curve.title}: ${short(value, curve.unit)}`);
+  const value = valueAt(curve.curves[0].key, time);
+  const unit = curve.unit === 'targets' ? '' : curve.unit;
+  curve.output.textContent = short(value, unit);
+  canvas.setAttribute('aria-label', `${curve.title}: ${short(value, unit)}`);
   if (isNumber(time) && state.metrics.length) drawCursor(context, plot, x(time), isNumber(value) ? y(value) : null);
 }
 

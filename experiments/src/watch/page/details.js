@@ -8,8 +8,10 @@ function showHeader() {
   const name = `${title} · csat watch`;
   if (document.title !== name) document.title = name;
   setText('time', isNumber(state.time) ? ofDuration(doc) : '–');
-  const known = metrics?.identified_union ?? view(state.agent, 'stats')?.identified;
-  setText('identified', isNumber(known) ? `${known} of ${targetCount() ?? '?'}` : '–');
+  const [headline] = columns()?.headline ?? [];
+  const known = metrics?.[headline];
+  setText('headline-name', column(headline)?.name ?? '');
+  setText('headline', isNumber(known) ? inUnit(known, column(headline)?.unit) : '–');
   const violations = metrics?.violations;
   setText('violations', isNumber(violations) ? String(violations) : '–');
   byId('violations-box').classList.toggle('loud', violations > 0);
@@ -21,7 +23,7 @@ function showHeader() {
   setText('attribution', doc?.attribution ?? '');
   const stations = stationCount();
   const shown = [`knowledge of ${nameOf(state.agent)}`, `time ${state.time ?? '–'} s`,
-    `${agentCount() - stations} UAVs`, ...(stations ? [`${stations} stations`] : []), `${known ?? 0} of ${targetCount() ?? '?'} cars identified`];
+    `${agentCount() - stations} UAVs`, ...(stations ? [`${stations} stations`] : []), `${column(headline)?.name ?? ''} ${isNumber(known) ? inUnit(known, column(headline)?.unit) : '–'}`];
   byId('fleet').setAttribute('aria-label', `Map of the region: ${shown.join(', ')}`);
 }
 
@@ -31,7 +33,12 @@ function ofDuration(doc) {
   return isNumber(doc?.duration_s) ? `${now} of ${+doc.duration_s.toFixed(1)} s` : `${now} s`;
 }
 
-const percent = (value) => (isNumber(value) ? `${value.toFixed(1)} %` : '–');
+// A number of an agent with its unit; a count of targets as a part of all.
+function inUnit(value, unit) {
+  if (unit === 'targets') return `${value} of ${targetCount() ?? '?'}`;
+  if (Number.isInteger(value)) return `${value} ${unit}`;
+  return `${value.toFixed(1)} ${unit}`;
+}
 
 // What the chosen agent says of itself.
 function showDetails() {
@@ -49,11 +56,10 @@ function showDetails() {
     if (pose.incarnation > 0) rows.push(['restarted', times(pose.incarnation)]);
   }
   if (stats) {
-    rows.push(['identified', `${stats.identified} of ${targetCount() ?? '?'}`]);
-    rows.push(['unexplored', percent(stats.unexplored_pct)], ['hidden', percent(stats.hidden_pct)]);
-    if (!isStation(agent)) rows.push(['map agrees (OEM)', percent(stats.oem_iou_pct)]);
-    if (isNumber(stats.news_age_s)) rows.push(['news of UAVs', `${stats.news_age_s.toFixed(1)} s old`]);
-    rows.push(['vertices of sets', String(stats.vertices ?? '–')], ['sent', short(stats.bytes_sent, 'B')]);
+    for (const { key, name, unit } of columns()?.columns ?? []) {
+      if (isNumber(stats[key])) rows.push([name, inUnit(stats[key], unit)]);
+    }
+    rows.push(['sent', short(stats.bytes_sent, 'B')]);
     if (stats.withheld > 0) rows.push(['steps withheld', String(stats.withheld)]);
     for (const [reason, count] of Object.entries(stats.rejected ?? {})) {
       rows.push([`rejected: ${reason}`, String(count)]);

@@ -1,23 +1,88 @@
 //! The metrics of thesis §5.4.2, equations (5.36)-(5.45).
 
-use csat_mission::row::StepRecord;
+use std::collections::BTreeSet;
+
+use csat_mission::measures::{Measures, Values};
+use csat_proto::camera::CameraModel;
 use csat_proto::ids::TargetId;
 use csat_proto::model::Ground;
 use csat_proto::raster::{Grid, Raster};
 use csat_proto::region::Region;
 
-/// Fills in (5.36)-(5.38).
-pub fn set_localization(row: &mut StepRecord, localization: Option<Localization>) {
-    row.localization_error_m = localization.map(|l| l.error_m);
-    row.target_area_m2 = localization.map(|l| l.area_m2);
-    row.target_radius_m = localization.map(|l| l.radius_m);
+use super::report::Report;
+
+/// Side of the cells that coverage is counted in, metres.
+const COVERAGE_CELL_M: f64 = 1.0;
+
+/// Measures a run of the mission.
+#[derive(Debug, Clone)]
+pub struct SetMeasures {
+    ground: Ground,
+    camera: CameraModel,
+    coverage: Coverage,
 }
 
-/// Fills in (5.40)-(5.42).
-pub fn set_coverage(row: &mut StepRecord, coverage: CoveragePct) {
-    row.footprint_pct = coverage.footprint_pct;
-    row.ground_seen_pct = coverage.ground_seen_pct;
-    row.explored_pct = coverage.explored_pct;
+impl SetMeasures {
+    /// Before the first step.
+    pub fn new(ground: Ground, camera: CameraModel) -> Self {
+        Self { ground, camera, coverage: Coverage::new(ground, COVERAGE_CELL_M) }
+    }
+}
+
+impl Measures<Report> for SetMeasures {
+    fn fleet(&mut self, uavs: &[&Report], targets: &[[f64; 2]]) -> Values {
+        let identified: BTreeSet<TargetId> =
+            uavs.iter().flat_map(|report| report.targets.iter().map(|(j, _)| *j)).collect();
+        let detected: BTreeSet<TargetId> =
+            uavs.iter().flat_map(|report| report.detected.iter().copied()).collect();
+        let mut footprints = Vec::new();
+        for report in uavs {
+            let footprint = footprint(&self.camera, report);
+            if let Some(clear_ground) = &report.clear_ground {
+                self.coverage.add(&footprint, clear_ground);
+            }
+            footprints.push(footprint);
+        }
+        let coverage = self.coverage.finish_step();
+        vec![
+            ("identified_union", Some(identified.len() as f64)),
+            ("targets_detected", Some(detected.len() as f64)),
+            ("targets_in_fov", Some(f64::from(targets_in_fov(&footprints, targets)))),
+            ("footprint_pct", Some(coverage.footprint_pct)),
+            ("ground_seen_pct", Some(coverage.ground_seen_pct)),
+            ("explored_pct", Some(coverage.explored_pct)),
+        ]
+    }
+
+    fn agent(&self, report: &Report, targets: &[[f64; 2]]) -> Values {
+        let sets = report.targets.iter().map(|(j, set)| (*j, set));
+        let localization = localization(sets, targets);
+        let mut values = stats(&self.ground, report);
+        values.extend([
+            ("localization_error_m", localization.map(|l| l.error_m)),
+            ("target_area_m2", localization.map(|l| l.area_m2)),
+            ("target_radius_m", localization.map(|l| l.radius_m)),
+        ]);
+        values
+    }
+}
+
+/// What an agent can tell of itself without the truth.
+pub fn stats(ground: &Ground, report: &Report) -> Values {
+    vec![
+        ("identified", Some(report.targets.len() as f64)),
+        ("unexplored_pct", Some(percent_of(ground, report.unexplored.area_m2()))),
+        ("hidden_pct", Some(report.hidden_pct)),
+        ("oem_iou_pct", report.oem_iou_pct),
+        ("news_age_s", report.news_age_s),
+        ("vertices", Some(f64::from(report.vertices()))),
+    ]
+}
+
+/// F ∩ {z = 0} of the agent's last frame; empty without one.
+pub fn footprint(camera: &CameraModel, report: &Report) -> Vec<[f64; 2]> {
+    let has_seen = report.clear_ground.is_some();
+    if has_seen { camera.at(&report.pose).footprint() } else { Vec::new() }
 }
 
 /// How well an agent knows its identified targets.

@@ -4,18 +4,18 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use csat_experiments::sweep::SweepError;
-use csat_experiments::sweep::bar::Bar;
-use csat_experiments::sweep::fly::Hangar;
-use csat_experiments::sweep::folder::SweepFolder;
-use csat_experiments::sweep::manifest::{Manifest, quoted};
-use csat_experiments::sweep::pace::Pace;
-use csat_experiments::sweep::plan::Run;
-use csat_experiments::sweep::record::RunRecord;
-use csat_experiments::sweep::results::{Counts, Results};
-use csat_experiments::sweep::seeds::Shard;
-use csat_experiments::sweep::work::{Event, work};
-use csat_experiments::verdict::{BAD_INPUT, DONE, FAILED, INTERRUPTED, VIOLATED};
+use crate::sweep::SweepError;
+use crate::sweep::bar::Bar;
+use crate::sweep::fly::Hangar;
+use crate::sweep::folder::SweepFolder;
+use crate::sweep::manifest::{Manifest, quoted};
+use crate::sweep::pace::Pace;
+use crate::sweep::plan::Run;
+use crate::sweep::record::RunRecord;
+use crate::sweep::results::{Counts, Results};
+use crate::sweep::seeds::Shard;
+use crate::sweep::work::{Event, work};
+use crate::verdict::{BAD_INPUT, DONE, FAILED, INTERRUPTED, VIOLATED};
 use csat_peer::tell;
 
 /// What this process flies.

@@ -5,21 +5,21 @@ use std::convert::Infallible;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use csat_mission::judge::{Broken, Fault, Violation};
+use csat_mission::measures::{Measures, in_order};
+use csat_mission::row::{Role, Row};
 use csat_netem::config::TraceLevel;
 use csat_netem::counters::Counters;
-use csat_proto::ids::{AgentId, TargetId};
+use csat_proto::ids::AgentId;
 use csat_proto::time::Step;
-use csat_world::truth::{Fault, Violation};
 use csat_world::world::World;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::metrics::targets_in_fov;
-use crate::metrics::{Coverage, set_coverage};
+use crate::missions::Offered;
 use crate::passages::{LinkRow, passage_lines};
 use crate::record::{Outcome, RecordError, Recorder};
 use crate::scenario::{Loaded, Scenario};
-use crate::set_membership::SetMembership;
 use crate::summary::Messages;
 use crate::view::Building;
 use crate::view::UavTrack;
@@ -27,11 +27,6 @@ use crate::view::View;
 use csat_mission::engine::{Engine, StepTrace};
 use csat_mission::fleet::{Fleet, Flown};
 use csat_mission::mission::{Detail, Mission, Tally};
-use csat_mission::row::Role;
-use csat_mission::row::StepRecord;
-
-/// Side of the cells that coverage is counted in, metres.
-const COVERAGE_CELL_M: f64 = 1.0;
 
 /// What the mission loop needs to know besides the scenario.
 #[derive(Debug, Clone, Default)]
@@ -60,7 +55,7 @@ pub struct Moment<'a, M: Mission> {
     /// What happened.
     pub trace: &'a StepTrace<M>,
     /// A row per agent that runs.
-    pub rows: &'a [StepRecord],
+    pub rows: &'a [Row],
     /// What the monitor found since the start.
     pub violations: u64,
 }
@@ -115,14 +110,14 @@ impl<M: Mission> Audience<M> for () {
 ///
 /// # Errors
 /// When a step or an event cannot be written down.
-pub fn run(
+pub fn run<M: Offered>(
     loaded: Loaded,
     options: &RunOptions,
     recorder: &mut Recorder,
-    audience: &mut dyn Audience<SetMembership>,
+    audience: &mut dyn Audience<M>,
 ) -> Result<Outcome, RecordError> {
     let Loaded { name, scenario, world, .. } = loaded;
-    let mission = SetMembership::new(&scenario);
+    let mission = M::of(&scenario);
     let view = still_view(&name, &scenario, &world);
     let engine = Engine::new(mission.clone(), world, &scenario.netem, scenario.seed);
     let flight = Flight::new(mission, engine, &scenario, view);
@@ -136,15 +131,15 @@ pub fn run(
 ///
 /// # Errors
 /// When a step or an event cannot be written down, or agents cannot be reached.
-pub fn run_fleet<F: Fleet<SetMembership>>(
+pub fn run_fleet<M: Offered, F: Fleet<M>>(
     loaded: Loaded,
     fleet: F,
     options: &RunOptions,
     recorder: &mut Recorder,
-    audience: &mut dyn Audience<SetMembership>,
+    audience: &mut dyn Audience<M>,
 ) -> Result<Outcome, FlightError<F::Error>> {
     let Loaded { name, scenario, world, .. } = loaded;
-    let mission = SetMembership::new(&scenario);
+    let mission = M::of(&scenario);
     let view = still_view(&name, &scenario, &world);
     let (netem, seed) = (&scenario.netem, scenario.seed);
     let engine = Engine::with_fleet(mission.clone(), world, fleet, netem, seed);
@@ -173,7 +168,7 @@ struct Flight<M: Mission, F> {
     engine: Engine<M, F>,
     steps: u32,
     period_s: f64,
-    coverage: Coverage,
+    measures: M::Measures,
     view: View,
     /// What is written down of the links.
     trace: TraceLevel,
@@ -209,11 +204,11 @@ impl<'a> ViolationLine<'a> {
 impl<M: Mission, F: Fleet<M>> Flight<M, F> {
     fn new(mission: M, engine: Engine<M, F>, scenario: &Scenario, view: View) -> Self {
         Self {
-            mission,
             engine,
             steps: scenario.steps(),
             period_s: scenario.run.period_s,
-            coverage: Coverage::new(scenario.ground(), COVERAGE_CELL_M),
+            measures: mission.measures(),
+            mission,
             view,
             trace: scenario.netem.trace,
             inconsistencies: 0,
@@ -234,9 +229,9 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
             let time_s = f64::from(step) * self.period_s;
             self.record_events(&trace, time_s, recorder)?;
             let rows = self.measure(&trace, time_s);
-            let violations = self.engine.monitor().counts().total().violations;
+            let violations = self.engine.checked().total().violations;
             recorder.step(&rows, violations)?;
-            self.draw_tracks();
+            self.draw_tracks(&trace.flown);
             let world = self.engine.world();
             audience.see(&Moment { time_s, world, trace: &trace, rows: &rows, violations })?;
             flown = step;
@@ -272,38 +267,39 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
     }
 
     /// One row per agent that runs, those of the UAVs first.
-    fn measure(&mut self, trace: &StepTrace<M>, time_s: f64) -> Vec<StepRecord> {
-        let truth: Vec<[f64; 2]> =
-            self.engine.world().targets().iter().map(|t| t.location).collect();
-        let fleet = self.measure_fleet(&trace.flown, &truth);
+    fn measure(&mut self, trace: &StepTrace<M>, time_s: f64) -> Vec<Row> {
+        let targets = self.engine.world().targets();
+        let targets: Vec<[f64; 2]> = targets.iter().map(|target| target.location).collect();
+        let uavs = usize::from(self.engine.world().config().fleet.count);
+        let of_uavs = trace.flown.iter().filter(|flown| usize::from(flown.agent.0) < uavs);
+        let reports: Vec<&M::Report> = of_uavs.filter_map(|flown| flown.report.as_ref()).collect();
+        let fleet = self.measures.fleet(&reports, &targets);
         let poses = self.engine.world().poses();
         let broken = |id: AgentId| {
             let faults = trace.violations.iter().map(|violation| &violation.fault);
-            faults.filter(|f| matches!(f, Fault::Guarantee { agent, .. } if *agent == id)).count()
+            faults
+                .filter(|f| matches!(f, Fault::Mission(Broken { agent, .. }) if *agent == id))
+                .count()
         };
-        let (mission, step) = (&self.mission, trace.step.0);
+        let (mission, measures, step) = (&self.mission, &self.measures, trace.step.0);
         let truths = self.truths(&trace.flown);
         let row = |flown: &Flown<M>| {
             let report = flown.report.as_ref()?;
-            let truth = truths.get(&mission.step(report))?;
+            let targets = truths.get(&mission.step(report))?;
             let pose = &poses[usize::from(flown.agent.0)];
-            let [x_m, y_m, z_m] = pose.p_world;
-            let mut row = StepRecord {
+            let values = measures.agent(report, targets).into_iter().chain(fleet.iter().copied());
+            Some(Row {
                 step,
                 time_s,
                 agent: flown.agent.0,
                 role: if mission.camera(flown.agent).is_some() { Role::Uav } else { Role::Station },
-                x_m,
-                y_m,
-                z_m,
+                p_world: pose.p_world,
                 yaw_rad: pose.yaw_rad,
                 bytes_sent: flown.bytes_sent,
                 violations: broken(flown.agent) as u32,
+                values: in_order(M::KIND.columns, values),
                 times: flown.times,
-                ..fleet
-            };
-            mission.measure(report, truth, &mut row);
-            Some(row)
+            })
         };
         trace.flown.par_iter().filter_map(row).collect()
     }
@@ -319,33 +315,14 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
         steps.into_iter().filter_map(located).collect()
     }
 
-    /// What is the same in every row of a step: it is of the UAVs.
-    fn measure_fleet(&mut self, flown: &[Flown<M>], truth: &[[f64; 2]]) -> StepRecord {
-        let mut fleet = StepRecord::default();
-        let (mut identified, mut detected) =
-            (BTreeSet::<TargetId>::new(), BTreeSet::<TargetId>::new());
-        let mut footprints = Vec::new();
+    fn draw_tracks(&mut self, flown: &[Flown<M>]) {
         self.view.uavs.iter_mut().for_each(|uav| uav.footprint.clear());
         for flown in flown {
-            let Some(report) = &flown.report else { continue };
-            let Some(uav) = self.view.uavs.get_mut(usize::from(flown.agent.0)) else { continue };
-            let watched = self.mission.watched(report);
-            identified.extend(&watched.identified);
-            detected.extend(&watched.detected);
-            if let Some(clear_ground) = watched.clear_ground {
-                self.coverage.add(&watched.footprint, clear_ground);
+            let uav = self.view.uavs.get_mut(usize::from(flown.agent.0));
+            if let (Some(report), Some(uav)) = (&flown.report, uav) {
+                uav.footprint = self.mission.footprint(report);
             }
-            uav.footprint.clone_from(&watched.footprint);
-            footprints.push(watched.footprint);
         }
-        fleet.identified_union = identified.len() as u16;
-        fleet.targets_detected = detected.len() as u16;
-        fleet.targets_in_fov = targets_in_fov(&footprints, truth);
-        set_coverage(&mut fleet, self.coverage.finish_step());
-        fleet
-    }
-
-    fn draw_tracks(&mut self) {
         let world = self.engine.world();
         for (uav, pose) in self.view.uavs.iter_mut().zip(world.poses()) {
             uav.path.push([pose.p_world[0], pose.p_world[1]]);
@@ -371,8 +348,8 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
             steps,
             sim_s,
             interrupted,
-            checked: self.engine.monitor().counts().clone(),
-            unchecked: self.engine.monitor().unchecked(),
+            checked: self.engine.checked(),
+            unchecked: self.engine.unchecked(),
             inconsistencies: self.inconsistencies,
             bytes_sent: counters.bytes_sent,
             messages: messages(&counters, self.engine.tally()),

@@ -1,0 +1,18 @@
+//! Colours of `metrics.svg`.
+
+use plotters::style::RGBColor;
+
+/// Curves of stations: as many as the legends name.
+pub const STATIONS: [RGBColor; 4] =
+    [RGBColor(93, 58, 155), RGBColor(140, 81, 10), RGBColor(204, 121, 167), RGBColor(86, 180, 233)];
+/// Curves of what is merely there.
+pub const GREY: RGBColor = RGBColor(90, 90, 90);
+/// Words.
+pub const TEXT: RGBColor = RGBColor(34, 34, 34);
+
+/// `#rrggbb`; black if it is none.
+pub fn colour(hex: &str) -> RGBColor {
+    let digits = u32::from_str_radix(hex.trim_start_matches('#'), 16).unwrap_or_default();
+    let [_, red, green, blue] = digits.to_be_bytes();
+    RGBColor(red, green, blue)
+}

@@ -1,0 +1,57 @@
+//! Which mission a scenario asks for, and which tables it may have: those of other missions are mistakes.
+
+use super::mistake::{Mistake, did_you_mean};
+use super::source::Sources;
+use super::tree::{self, Kind, Table};
+use super::{OF_SET_MEMBERSHIP, SET_MEMBERSHIP};
+use crate::missions::{self, Flyable};
+
+/// The mission that `tree` names, or the default one. Tables that only other missions know are taken out of
+/// the tree, each with a mistake.
+pub fn choose(
+    sources: &Sources,
+    tree: &mut Table,
+    mistakes: &mut Vec<Mistake>,
+) -> &'static dyn Flyable {
+    let mission = named(sources, tree, mistakes);
+    let name = mission.kind().name;
+    for other in missions::all().iter().filter(|other| other.kind().name != name) {
+        for key in tables_of(*other) {
+            let Some(node) = tree.remove(&key) else { continue };
+            let text = format!("`{key}` belongs to the mission `{}`", other.kind().name);
+            let expected = format!("tables of the mission `{name}`, which this scenario is");
+            let mistake = Mistake::new(text).expected(expected);
+            mistakes.push(mistake.at(Some(sources.place(&node.key))));
+        }
+    }
+    mission
+}
+
+/// The names of the tables that only one mission knows.
+fn tables_of(mission: &dyn Flyable) -> Vec<String> {
+    let mut all: Vec<String> = mission.tables().keys().cloned().collect();
+    if mission.kind().name == SET_MEMBERSHIP {
+        all.extend(OF_SET_MEMBERSHIP.map(str::to_owned));
+    }
+    all
+}
+
+fn named(sources: &Sources, tree: &mut Table, mistakes: &mut Vec<Mistake>) -> &'static dyn Flyable {
+    let default = || missions::find(SET_MEMBERSHIP).unwrap_or(missions::all()[0]);
+    let Some(node) = tree::exact(tree, "mission") else { return default() };
+    let Kind::Leaf(toml::Value::String(name)) = &node.kind else { return default() };
+    if let Some(mission) = missions::find(name) {
+        return mission;
+    }
+    let known = || missions::all().iter().map(|mission| mission.kind().name);
+    let list: Vec<String> = known().map(|name| format!("`{name}`")).collect();
+    let mut mistake = Mistake::new(format!("`mission` cannot be `{name}`"))
+        .expected(format!("one of {}", list.join(", ")))
+        .at(Some(sources.place(&node.value)));
+    if let Some(guess) = did_you_mean(name, known()) {
+        mistake = mistake.help(guess);
+    }
+    mistakes.push(mistake);
+    tree.remove("mission");
+    default()
+}
