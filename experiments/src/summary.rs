@@ -6,6 +6,7 @@ use csat_mission::measures::{Column, Level};
 use csat_mission::mission::Kind;
 use csat_world::truth::CheckCounts;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use crate::missions::kind;
 use crate::station::StationSummary;
@@ -88,8 +89,21 @@ impl Summary {
     ///
     /// # Errors
     /// What it lacks, or has otherwise.
-    pub fn check(value: &serde_json::Value) -> Result<(), String> {
-        Self::deserialize(value).map(drop).map_err(|e| format!("its summary is none: {e}"))
+    pub fn check(value: &Value) -> Result<(), String> {
+        let summary = Self::deserialize(value).map_err(|e| format!("its summary is none: {e}"))?;
+        let columns = kind(&summary.mission).map_or(&[][..], |kind| kind.columns);
+        for key in columns.iter().filter(|column| column.in_summary).map(|column| column.key) {
+            match value.get(key) {
+                Some(Value::Null | Value::Number(_)) => {}
+                Some(got) => {
+                    return Err(format!(
+                        "its summary is none: `{key}` is {got}, expected a number"
+                    ));
+                }
+                None => return Err(format!("its summary is none: it has no `{key}`")),
+            }
+        }
+        Ok(())
     }
 }
 
@@ -187,12 +201,11 @@ impl Summary {
 
     /// A line of the means that sweeps show.
     fn means(&self, kind: &Kind) -> String {
-        let shown = kind.columns.iter().filter(|c| c.in_summary && c.plot.is_some());
         let mean = |column: &Column| {
             let value = self.numbers.get(column.key);
             format!("{} {}", column.name, in_words(column, value, self.targets))
         };
-        let means: Vec<String> = shown.map(mean).collect();
+        let means: Vec<String> = kind.plotted().map(mean).collect();
         if means.is_empty() {
             return String::new();
         }

@@ -31,6 +31,14 @@ pub struct Issue {
     pub is_warning: bool,
 }
 
+impl Issue {
+    /// A value that is refused; `keys` begins with its own key, and goes on with those that it depends on.
+    pub fn refused(keys: &[&str], got: &str, expected: &str) -> Self {
+        let mistake = Mistake::new(format!("`{}` cannot be {got}", keys[0])).expected(expected);
+        Self { keys: owned(keys), mistake, is_warning: false }
+    }
+}
+
 /// The most sequences of increments that `str1` to `str3` try in a decision.
 const MAX_SEQUENCES: usize = 1_000_000;
 /// The most cells of a raster.
@@ -128,8 +136,7 @@ impl Check {
     /// Demands that `holds`; `keys` begins with the value's own key.
     fn that(&mut self, holds: bool, keys: &[&'static str], got: &str, expected: &str) {
         if !holds {
-            let mistake = Mistake::new(format!("`{}` cannot be {got}", keys[0])).expected(expected);
-            self.0.push(Issue { keys: owned(keys), mistake, is_warning: false });
+            self.0.push(Issue::refused(keys, got, expected));
         }
     }
 

@@ -41,13 +41,9 @@ const COMMON: [Metric; 3] = [
 
 /// Everything that is drawn of a kind of mission, if the runs have it: first what people ask for first.
 pub fn metrics(kind: &Kind) -> Vec<Metric> {
-    let plotted = kind.columns.iter().filter_map(|column| {
-        Some(Metric { key: column.key, plot: column.plot.filter(|_| column.in_summary)? })
-    });
-    let (first, others): (Vec<_>, Vec<_>) =
-        plotted.partition(|metric| kind.headline.contains(&metric.key));
+    let plotted = kind.plotted().filter_map(|c| c.plot.map(|plot| Metric { key: c.key, plot }));
     let milestones = kind.milestones.iter().map(|m| Metric { key: m.restricted, plot: m.plot });
-    first.into_iter().chain(others).chain(milestones).chain(COMMON).collect()
+    plotted.chain(milestones).chain(COMMON).collect()
 }
 
 /// Everything that is drawn of several kinds of missions.
