@@ -4,10 +4,8 @@
 use std::collections::BTreeSet;
 
 use csat_experiments::scenario::{self, Request};
-use csat_mission::documents::{AgentStep, Document};
 use csat_mission::engine::Engine;
-use csat_mission::mission::{Detail, Mission, Tally, Watched};
-use csat_mission::picture;
+use csat_mission::mission::{Detail, Mission, Report, Tally, Watched};
 use csat_mission::row::StepRecord;
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::{CameraModel, Pose};
@@ -72,6 +70,24 @@ impl Agent for Counter {
     }
 }
 
+impl Report for Count {
+    fn step(&self) -> Step {
+        self.step
+    }
+
+    fn pose(&self) -> &Pose {
+        &self.pose
+    }
+
+    fn planned(&self) -> &[Pose] {
+        &[]
+    }
+
+    fn tally(&self) -> &Tally {
+        &self.tally
+    }
+}
+
 /// The mission.
 #[derive(Clone)]
 struct Census {
@@ -94,10 +110,6 @@ impl Mission for Census {
         agent.0.clone()
     }
 
-    fn step(&self, report: &Count) -> Step {
-        report.step
-    }
-
     /// It claims nothing about places, so every place is admitted and nothing is ever violated.
     fn admits(&self, _: &Count, _: TargetId, _: [f64; 2], _: f64) -> bool {
         true
@@ -115,16 +127,8 @@ impl Mission for Census {
         }
     }
 
-    fn view(&self, _: &Count) -> picture::Knowledge {
-        picture::Knowledge::default()
-    }
-
-    fn documents(&self, _: &AgentStep<'_, Count>, _: &picture::Knowledge) -> Vec<Document> {
-        Vec::new()
-    }
-
-    fn tally<'a>(&self, report: &'a Count) -> &'a Tally {
-        &report.tally
+    fn stats(&self, report: &Count) -> Vec<(&'static str, Option<f64>)> {
+        vec![("identified", Some(report.seen.len() as f64))]
     }
 
     fn is_inconsistency(&self, (): &()) -> bool {

@@ -20,7 +20,7 @@ use xxhash_rust::xxh3::Xxh3Default;
 use crate::fleet::{Brief, Fleet, Frames};
 pub use crate::fleet::{Flown, Passage};
 use crate::local::LocalFleet;
-use crate::mission::{Detail, Mission, Tally};
+use crate::mission::{Detail, Mission, Report, Tally};
 use crate::node::Node;
 
 /// An agent's process ended or began.
@@ -277,7 +277,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             self.digest.update(&agent.digest.to_le_bytes());
             self.bytes_sent += agent.bytes_sent;
             if let Some(report) = &agent.report {
-                self.tallies[usize::from(agent.agent.0)].clone_from(self.mission.tally(report));
+                self.tallies[usize::from(agent.agent.0)].clone_from(report.tally());
             }
         }
         let violations = self.watch(step, &flown);
@@ -341,7 +341,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         }
         for flown in flown {
             let Some(report) = &flown.report else { continue };
-            let known = self.mission.step(report);
+            let known = report.step();
             let Some(targets) = truth_at(&self.truths, known) else {
                 tracing::warn!(agent = %flown.agent, %known, %step, "a report too late to check");
                 self.monitor.miss_agent();

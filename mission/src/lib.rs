@@ -9,6 +9,7 @@
 //! | [`node`] | one agent and the links to it |
 //! | [`row`] | one agent at one step, in numbers |
 //! | [`picture`], [`shape`] | what there is to draw of an agent's knowledge |
+//! | [`style`] | how it is drawn |
 //! | [`documents`] | an agent's step as JSON documents |
 //! | [`timing`], [`stages`] | the only clock |
 //! | [`words`] | words for people |
@@ -23,5 +24,6 @@ pub mod picture;
 pub mod row;
 pub mod shape;
 pub mod stages;
+pub mod style;
 pub mod timing;
 pub mod words;

@@ -7,10 +7,10 @@ use crate::scenario::{self, Request};
 use crate::series::{Curves, Means, Point, Series};
 use crate::testing::scratch;
 
+use crate::set_membership::layers::LAYERS;
 use crate::view::Building;
 use crate::view::UavTrack;
-use csat_mission::picture::Knowledge;
-use csat_mission::picture::Ring;
+use csat_mission::picture::{Area, Content, Layer, Properties, Ring, Shapes};
 use csat_mission::row::StepRecord;
 
 /// `CSAT_SHOW=folder cargo test` leaves the pictures there, to be looked at.
@@ -42,7 +42,7 @@ fn town() -> (Vec<Building>, Vec<Ring>) {
     (buildings, roads)
 }
 
-fn knowledge(buildings: &[Building]) -> Knowledge {
+fn knowledge(buildings: &[Building]) -> Vec<Layer> {
     let ground = Ground { size_m: [500.0, 500.0] };
     let mut hidden = Raster::empty(Grid::covering(&ground, 2.0));
     let grid = Grid::covering(&ground, 5.0);
@@ -72,27 +72,39 @@ fn knowledge(buildings: &[Building]) -> Knowledge {
         let [a, c] = [b.rings[0][0], b.rings[0][2]];
         vec![rectangle([a[0] - 2.5, a[1] - 2.5], [c[0] - a[0] + 5.0, c[1] - a[1] + 5.0])]
     };
-    Knowledge {
-        unexplored: vec![
+    let unexplored = vec![
+        vec![
             vec![
-                vec![
-                    [-250.0, -250.0],
-                    [-150.0, -250.0],
-                    [-120.0, -100.0],
-                    [-160.0, 60.0],
-                    [-250.0, 90.0],
-                ],
-                vec![[-200.0, -60.0], [-200.0, -20.0], [-170.0, -20.0], [-170.0, -60.0]],
+                [-250.0, -250.0],
+                [-150.0, -250.0],
+                [-120.0, -100.0],
+                [-160.0, 60.0],
+                [-250.0, 90.0],
             ],
-            vec![vec![[120.0, 250.0], [180.0, 160.0], [250.0, 150.0], [250.0, 250.0]]],
+            vec![[-200.0, -60.0], [-200.0, -20.0], [-170.0, -20.0], [-170.0, -60.0]],
         ],
-        targets: [(0, -43.0, 120.0), (2, 52.0, -40.0), (3, 147.0, 40.0), (5, 40.0, 147.0)]
-            .map(|(j, x, y)| (j, vec![vec![rectangle([x - 9.0, y - 14.0], [18.0, 28.0])]]))
-            .to_vec(),
-        obstacle_margin: buildings.iter().skip(6).map(margin).collect(),
-        hidden: csat_mission::picture::cells(&hidden),
-        oem: csat_mission::picture::oem(&grid, &oem),
-    }
+        vec![vec![[120.0, 250.0], [180.0, 160.0], [250.0, 150.0], [250.0, 250.0]]],
+    ];
+    let target = |(j, x, y): (u16, f64, f64)| {
+        let shapes = vec![vec![rectangle([x - 9.0, y - 14.0], [18.0, 28.0])]];
+        area(shapes, ("target", j.into()))
+    };
+    let targets = [(0, -43.0, 120.0), (2, 52.0, -40.0), (3, 147.0, 40.0), (5, 40.0, 147.0)];
+    let margin = buildings.iter().skip(6).map(margin).collect();
+    vec![
+        Layer::new(
+            "unexplored",
+            Content::Areas(vec![area(unexplored, ("share_pct", 17.3.into()))]),
+        ),
+        Layer::new("targets", Content::Areas(targets.map(target).to_vec())),
+        Layer::new("obstacles", Content::Areas(vec![area(margin, ("kind", "obstacles".into()))])),
+        Layer::new("hidden", Content::Cells(csat_mission::picture::cells(&hidden))),
+        Layer::new("oem", Content::Heights(csat_mission::picture::oem(&grid, &oem))),
+    ]
+}
+
+fn area(shapes: Shapes, (key, value): (&str, serde_json::Value)) -> Area {
+    Area { shapes, properties: Properties::from_iter([(key.to_owned(), value)]) }
 }
 
 fn sample_view() -> View {
@@ -138,6 +150,7 @@ fn sample_view() -> View {
             car(240.0, 200.0),
             car(40.0, 147.0),
         ],
+        layers: LAYERS.to_vec(),
         agents,
         obstacles,
         roads,
@@ -201,10 +214,10 @@ fn the_map_shows_every_layer() {
         "buildings",
         "unexplored",
         "hidden",
-        "margin",
+        "obstacles",
         "oem",
         "targets",
-        "target-labels",
+        "targets-labels",
         "cars",
         "uavs",
         "footprint",
@@ -234,10 +247,17 @@ fn the_map_shows_every_layer() {
 fn view_of_two() -> View {
     let mut view = sample_view();
     let mut second = view.agents[0].clone();
-    second.targets.truncate(1);
-    second.unexplored =
-        vec![vec![vec![[-250.0, -250.0], [250.0, -250.0], [250.0, 0.0], [-250.0, 0.0]]]];
-    second.oem.occupied.iter_mut().for_each(|cell| cell.2 = 77);
+    let half = vec![vec![vec![[-250.0, -250.0], [250.0, -250.0], [250.0, 0.0], [-250.0, 0.0]]]];
+    for layer in &mut second {
+        match (&*layer.key, &mut layer.content) {
+            ("targets", Content::Areas(areas)) => areas.truncate(1),
+            ("unexplored", Content::Areas(areas)) => {
+                *areas = vec![area(half.clone(), ("share_pct", 50.0.into()))];
+            }
+            (_, Content::Heights(oem)) => oem.occupied.iter_mut().for_each(|cell| cell.2 = 77),
+            _ => {}
+        }
+    }
     view.agents.push(second);
     view
 }

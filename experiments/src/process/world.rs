@@ -17,6 +17,7 @@ use crate::mission::{self, Audience, FlightError, RunOptions};
 use crate::record::{Outcome, Recorder};
 use crate::scenario::Loaded;
 use crate::set_membership::SetMembership;
+use csat_mission::mission::Mission;
 use csat_mission::timing::Stopwatch;
 use csat_peer::process_number;
 use csat_peer::world::port::Port;
@@ -113,7 +114,8 @@ pub fn fly(
     if *restarts {
         fleet = fleet.with_restarts(options.interrupted.clone());
     }
-    let mut showcase = Showcase::declare(session, keys, &loaded).map_err(zenoh_error)?;
+    let mut showcase =
+        Showcase::declare(session, keys, &loaded, SetMembership::LAYERS).map_err(zenoh_error)?;
     let mut audience: Vec<&mut dyn Audience<SetMembership>> = vec![&mut showcase, audience];
     let is_over = || options.interrupted.load(std::sync::atomic::Ordering::SeqCst);
     let flown = fleet.gather(pace.patience, is_over).map_err(WorldError::from).and_then(|()| {

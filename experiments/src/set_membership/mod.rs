@@ -1,6 +1,6 @@
 //! The set-membership mission: search and track with guaranteed sets.
 
-mod documents;
+pub mod layers;
 pub mod report;
 
 use csat_agent::agent::{Event, SetMembershipAgent};
@@ -9,16 +9,14 @@ use csat_agent::config::AgentConfig;
 use csat_agent::mutant::{Mutant, is_on};
 use csat_proto::camera::CameraModel;
 use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
-use csat_proto::time::Step;
 
 use crate::metrics::percent_of;
 use crate::metrics::{localization, set_localization};
-use crate::rounding;
 use crate::scenario::Scenario;
-use csat_mission::documents::{AgentStep, Document};
-use csat_mission::mission::{Detail, Mission, Tally, Watched};
-use csat_mission::picture;
+use csat_mission::mission::{Detail, Mission, Watched};
+use csat_mission::picture::Layer;
 use csat_mission::row::StepRecord;
+use csat_mission::style::Style;
 use report::Report;
 
 /// The set-membership mission of a scenario.
@@ -63,6 +61,7 @@ pub fn agent_config(scenario: &Scenario) -> AgentConfig {
 impl Mission for SetMembership {
     type Agent = SetMembershipAgent;
     type Report = Report;
+    const LAYERS: &'static [Style] = layers::LAYERS;
 
     fn agent(&self, id: AgentId, incarnation: Incarnation) -> SetMembershipAgent {
         let config = AgentConfig { id, incarnation, ..self.config.clone() };
@@ -75,10 +74,6 @@ impl Mission for SetMembership {
 
     fn report(&self, agent: &mut SetMembershipAgent, detail: Detail) -> Report {
         Report::of(agent, detail)
-    }
-
-    fn step(&self, report: &Report) -> Step {
-        report.step
     }
 
     fn admits(
@@ -114,28 +109,20 @@ impl Mission for SetMembership {
         }
     }
 
-    fn view(&self, report: &Report) -> picture::Knowledge {
-        let maps = report.maps.as_ref();
-        let ground = &self.config.ground;
-        let targets = report.targets.iter();
-        picture::Knowledge {
-            unexplored: rounding::outer(&report.unexplored, ground),
-            targets: targets.map(|(j, set)| (j.0, rounding::outer(set, ground))).collect(),
-            obstacle_margin: rounding::inner(&report.obstacle_margin),
-            hidden: maps.map(|maps| picture::cells(&maps.hidden)).unwrap_or_default(),
-            oem: maps
-                .map(|maps| picture::oem(&maps.oem_grid, &maps.oem_cells()))
-                .unwrap_or_default(),
-        }
+    fn picture(&self, report: &Report) -> Vec<Layer> {
+        layers::picture(&self.config.ground, report)
     }
 
-    fn documents(&self, step: &AgentStep<'_, Report>, known: &picture::Knowledge) -> Vec<Document> {
-        let camera = self.camera(step.agent);
-        documents::documents(camera.as_ref(), &self.config.ground, step, known)
-    }
-
-    fn tally<'a>(&self, report: &'a Report) -> &'a Tally {
-        &report.tally
+    fn stats(&self, report: &Report) -> Vec<(&'static str, Option<f64>)> {
+        let unexplored_pct = percent_of(&self.config.ground, report.unexplored.area_m2());
+        vec![
+            ("identified", Some(report.targets.len() as f64)),
+            ("unexplored_pct", Some(unexplored_pct)),
+            ("hidden_pct", Some(report.hidden_pct)),
+            ("oem_iou_pct", report.oem_iou_pct),
+            ("news_age_s", report.news_age_s),
+            ("vertices", Some(f64::from(report.vertices()))),
+        ]
     }
 
     fn is_inconsistency(&self, event: &Event) -> bool {
