@@ -10,8 +10,9 @@ use crate::testing::scratch;
 use crate::set_membership::layers::LAYERS;
 use crate::view::Building;
 use crate::view::UavTrack;
-use csat_mission::picture::{Area, Content, Layer, Properties, Ring, Shapes};
+use csat_mission::picture::{Area, Cells, Content, Heat, Layer, Mark, Properties, Ring, Shapes};
 use csat_mission::row::StepRecord;
+use csat_mission::style::{Colour, Fill, Kind, Style};
 
 /// `CSAT_SHOW=folder cargo test` leaves the pictures there, to be looked at.
 fn show(name: &str, svg: &str) {
@@ -418,4 +419,68 @@ fn real_towns_are_drawn_with_their_attribution() {
     show("helsinki-17.svg", &svg);
     assert!(svg.contains("OpenStreetMap contributors"));
     assert!(view.obstacles.len() > 20 && svg.contains("helsinki-17, seed 1"));
+}
+
+/// A layer of each kind, none of them of the set-membership mission.
+fn other_layers() -> (Vec<Style>, Vec<Layer>) {
+    let style = |key: &'static str, kind, fill| Style {
+        key: key.into(),
+        title: format!("title of {key}").into(),
+        kind,
+        colour: Colour::By("target".into()),
+        fill,
+        line: None,
+        label: Some("target".into()),
+        mark: None,
+        unit: Some("per ha".into()),
+        panel: (kind == Kind::Heat).then(|| "What it believes".into()),
+        is_ground: kind == Kind::Heat,
+        is_in_scene: true,
+    };
+    let hatch = Fill::Hatch { spacing_px: 4.0, width_px: 1.0, is_falling: false };
+    let styles = vec![
+        style("belief", Kind::Heat, Fill::None),
+        style("blocked", Kind::Areas, hatch),
+        style("swept", Kind::Cells, Fill::Plain { opacity: 0.3 }),
+        style("seen", Kind::Points, Fill::None),
+    ];
+    let values = (0..100).map(|cell| f64::from(cell) / 100.0).collect();
+    let origin_m = [-250.0; 2];
+    let heat = Heat { cell_m: 50.0, origin_m, columns: 10, maximum: 1.0, values };
+    let cells = Cells { cell_m: 50.0, origin_m, runs: vec![[0, 2, 5]] };
+    let square = vec![vec![rectangle([100.0, 100.0], [60.0, 40.0])]];
+    let mark = Mark { point: [10.0, -20.0], properties: named(1) };
+    let layers = vec![
+        Layer::new("seen", Content::Points(vec![mark])),
+        Layer::new("belief", Content::Heat(heat)),
+        Layer::new("swept", Content::Cells(cells)),
+        Layer::new("blocked", Content::Areas(vec![Area { shapes: square, properties: named(3) }])),
+    ];
+    (styles, layers)
+}
+
+fn named(target: u16) -> Properties {
+    Properties::from_iter([("target".to_owned(), target.into())])
+}
+
+#[test]
+fn the_layers_of_any_mission_are_drawn() {
+    let (layers, known) = other_layers();
+    let view = View { layers, agents: vec![known], ..sample_view() };
+    let svg = map_svg(&view, 0);
+    show("map-other.svg", &svg);
+    for key in ["belief", "blocked", "swept", "seen", "belief-filled", "seen-labels"] {
+        assert!(svg.contains(&format!("class=\"{key}\"")), "{key}");
+    }
+    // In the order of the styles, whatever the order of the layers.
+    let places = ["belief", "buildings", "blocked", "swept", "seen"];
+    let places = places.map(|key| svg.find(&format!("class=\"{key}\"")).unwrap());
+    assert!(places.is_sorted(), "{places:?}");
+    assert!(svg.contains("What it believes") && svg.contains("title of swept"));
+    assert!(svg.contains("≤0.20 per ha") && svg.contains("2 of 6 cars identified"));
+    assert!(svg.contains("url(#hatch-blocked-3)") && svg.contains("id=\"hatch-blocked-3\""));
+    for gone in ["unexplored", "OEM", "NaN"] {
+        assert!(!svg.contains(gone), "{gone}");
+    }
+    assert!(agents_svg(&view).contains("class=\"blocked\""));
 }

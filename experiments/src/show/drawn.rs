@@ -80,3 +80,40 @@ impl Drawn {
         (1..).zip(bands).map(|(band, cells)| (f64::from(band) / count, cells)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::set_membership::layers::LAYERS;
+    use csat_mission::picture::{Area, Heat, Properties};
+
+    fn targets(detected: bool) -> Layer {
+        let properties =
+            [("target".to_owned(), 3.into()), ("detected".to_owned(), detected.into())];
+        let shapes = vec![vec![vec![[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]]]];
+        let area = Area { shapes, properties: Properties::from_iter(properties) };
+        Layer::new("targets", Content::Areas(vec![area]))
+    }
+
+    #[test]
+    fn agents_that_know_the_same_places_know_the_same() {
+        let unexplored = Layer::new("unexplored", Content::Areas(vec![Area::default()]));
+        let obstacles = Layer::new("obstacles", Content::Areas(vec![Area::default()]));
+        let one = Drawn::of(LAYERS, &[targets(true), obstacles, unexplored.clone()]);
+        let other = Drawn::of(LAYERS, &[unexplored, targets(false)]);
+        assert_eq!(one, other);
+        let keys: Vec<&str> = one.iter().map(|drawn| &*drawn.style.key).collect();
+        assert_eq!(keys, ["unexplored", "targets"]);
+        assert_eq!(one[1].names().collect::<Vec<_>>(), ["target 3"]);
+        assert_eq!(one[0].names().collect::<Vec<_>>(), ["unexplored"]);
+    }
+
+    #[test]
+    fn values_are_bands_of_cells() {
+        let heat = Heat { columns: 2, maximum: 2.0, values: vec![0.0, 2.0], ..Heat::default() };
+        let drawn = Drawn { style: &LAYERS[0], content: Content::Heat(heat) };
+        let bands = drawn.bands();
+        assert_eq!(bands.len(), 5);
+        assert_eq!((bands[4].0, &bands[4].1.runs), (1.0, &vec![[0, 1, 2]]));
+    }
+}
