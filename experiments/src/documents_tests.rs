@@ -34,7 +34,7 @@ fn of_agent(
 ) -> Vec<Document> {
     let step = AgentStep::of(&trace.flown[index], Incarnation(2), trace.step, 6.0).unwrap();
     let step = AgentStep { passages: &trace.passages, ..step };
-    agent_documents(mission, &step, &mission.view(step.report))
+    agent_documents(mission, &step, &mission.picture(step.report))
 }
 
 fn find<'a>(documents: &'a [Document], topic: &str) -> &'a Document {

@@ -26,7 +26,7 @@ use crate::view::UavTrack;
 use crate::view::View;
 use csat_mission::engine::{Engine, StepTrace};
 use csat_mission::fleet::{Fleet, Flown};
-use csat_mission::mission::{Detail, Mission, Tally};
+use csat_mission::mission::{Detail, Mission, Report, Tally};
 
 /// What the mission loop needs to know besides the scenario.
 #[derive(Debug, Clone, Default)]
@@ -285,7 +285,7 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
         let truths = self.truths(&trace.flown);
         let row = |flown: &Flown<M>| {
             let report = flown.report.as_ref()?;
-            let targets = truths.get(&mission.step(report))?;
+            let targets = truths.get(&report.step())?;
             let pose = &poses[usize::from(flown.agent.0)];
             let values = measures.agent(report, targets).into_iter().chain(fleet.iter().copied());
             Some(Row {
@@ -306,7 +306,7 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
 
     /// Where targets were at the steps of these reports: one step, but in real time, where some come late.
     fn truths(&self, flown: &[Flown<M>]) -> BTreeMap<Step, Vec<[f64; 2]>> {
-        let steps = flown.iter().filter_map(|f| f.report.as_ref()).map(|r| self.mission.step(r));
+        let steps = flown.iter().filter_map(|f| f.report.as_ref()).map(Report::step);
         let steps: BTreeSet<Step> = steps.collect();
         let located = |step| {
             let truth = self.engine.truth_at(step)?;
@@ -336,8 +336,9 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
     fn outcome(mut self, steps: u32, interrupted: bool) -> Outcome {
         let sim_s = f64::from(steps) * self.period_s;
         self.view.time_s = sim_s;
+        self.view.layers = M::LAYERS.to_vec();
         let reports = self.engine.show().into_iter();
-        let drawn = reports.map(|report| report.map(|report| self.mission.view(&report)));
+        let drawn = reports.map(|report| report.map(|report| self.mission.picture(&report)));
         self.view.agents = drawn.map(Option::unwrap_or_default).collect();
         let counters = self.engine.counters();
         let links = self.engine.per_link();

@@ -1,6 +1,7 @@
 //! `view.json`: all that `map.svg` is drawn from, in metres of `world`.
 
-use csat_mission::picture::{Knowledge, Ring, Shapes, to_millimetre};
+use csat_mission::picture::{Layer, Ring, to_millimetre};
+use csat_mission::style::Style;
 use csat_proto::model::Station;
 use csat_world::obstacle::Obstacle;
 use serde::{Deserialize, Serialize};
@@ -31,8 +32,10 @@ pub struct View {
     pub stations: Vec<Station>,
     /// The true locations of each target, by index and step.
     pub targets: Vec<Vec<[f64; 2]>>,
+    /// How the layers of the mission are drawn, from the bottom up.
+    pub layers: Vec<Style>,
     /// What each agent knows, by index: the UAVs, then the stations.
-    pub agents: Vec<Knowledge>,
+    pub agents: Vec<Vec<Layer>>,
     /// The line that whoever shows the map has to show with it.
     pub attribution: Option<String>,
 }
@@ -41,6 +44,11 @@ impl View {
     /// An agent by name, for people: `UAV 0`, `station 4`.
     pub fn name_of(&self, agent: usize) -> String {
         words::named([agent as u16], self.uavs.len() as u16)
+    }
+
+    /// What an agent knows; nothing when there is no such agent.
+    pub fn of_agent(&self, agent: usize) -> &[Layer] {
+        self.agents.get(agent).map_or(&[], Vec::as_slice)
     }
 }
 
@@ -105,17 +113,4 @@ impl View {
         }
         self
     }
-}
-
-/// Area of shapes, m²: outer rings without their holes.
-pub fn area_m2(shapes: &Shapes) -> f64 {
-    let ring_m2 = |ring: &Ring| {
-        let next = ring.iter().cycle().skip(1);
-        ring.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().abs() / 2.0
-    };
-    let shape_m2 = |shape: &Vec<Ring>| match shape.split_first() {
-        Some((outer, holes)) => ring_m2(outer) - holes.iter().map(ring_m2).sum::<f64>(),
-        None => 0.0,
-    };
-    shapes.iter().map(shape_m2).sum()
 }

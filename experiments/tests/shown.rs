@@ -123,9 +123,10 @@ fn drawn(view: &Value) -> Vec<Value> {
         |shapes: &Value| Value::Array(shapes.as_array().unwrap().iter().map(rings).collect());
     let buildings = view["obstacles"].as_array().unwrap().iter();
     let mut all: Vec<Value> = buildings.map(|b| json!([rings(&b["rings"])])).collect();
-    for agent in view["agents"].as_array().unwrap() {
-        all.extend([&agent["unexplored"], &agent["obstacle_margin"]].map(shapes));
-        all.extend(agent["targets"].as_array().unwrap().iter().map(|target| shapes(&target[1])));
+    let agents = view["agents"].as_array().unwrap().iter();
+    for layer in agents.flat_map(|layers| layers.as_array().unwrap()) {
+        let areas = layer["areas"].as_array().into_iter().flatten();
+        all.extend(areas.map(|area| shapes(&area["shapes"])));
     }
     let feature = |shapes| json!({"geometry": {"type": "MultiPolygon", "coordinates": shapes}});
     all.into_iter().map(feature).collect()

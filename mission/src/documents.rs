@@ -1,17 +1,30 @@
-//! From an agent's step to the documents of docs/topics.md.
+//! From an agent's step to the documents of docs/topics.md: those that every agent has ([`OWN`]), and one
+//! for each layer of its mission.
 //!
 //! All that it takes is what the agent's own process knows (its [`Flown`]), so a process shows its
 //! own agent, and the recorder in the world's process shows them all, with the same words.
 
 use std::collections::BTreeMap;
 
+use csat_proto::camera::Pose;
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
 use csat_proto::time::Step;
+use geojson::Feature;
 use serde::Serialize;
+use serde_json::{Map, Value};
 
 use crate::fleet::{Flown, Passage};
-use crate::mission::Mission;
-use crate::picture::Knowledge;
+use crate::mission::{Mission, Report};
+use crate::picture::{Content, Layer, to_millimetre};
+use crate::shape;
+
+/// The names of the documents that every agent has, besides those of its layers.
+pub const OWN: [&str; 4] = ["pose", "plan", "stats", "links"];
+
+/// The names of all documents of an agent.
+pub fn names<M: Mission>() -> impl Iterator<Item = &'static str> {
+    OWN.into_iter().chain(M::LAYERS.iter().map(|style| &*style.key))
+}
 
 /// One JSON document that people get to see.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -130,16 +143,111 @@ pub struct Headed<T> {
     pub body: T,
 }
 
-/// All documents of an agent's step: the mission's own, and what became of messages to it. `known`
-/// is the mission's [`Mission::view`] of the report.
+/// All documents of an agent's step; `layers` is the [`Mission::picture`] of its report.
 pub fn agent_documents<M: Mission>(
     mission: &M,
     step: &AgentStep<'_, M::Report>,
-    known: &Knowledge,
+    layers: &[Layer],
 ) -> Vec<Document> {
-    let mut documents = mission.documents(step, known);
-    documents.push(links(step));
-    documents
+    let own = [pose(mission, step), plan(step), stats(mission, step), links(step)];
+    own.into_iter().chain(layers.iter().map(|layer| of_layer(step, layer))).collect()
+}
+
+/// A document with the head of its step.
+fn headed<R>(step: &AgentStep<'_, R>, name: &str, body: impl Serialize) -> Document {
+    Document::json(step.topic(name), &Headed { head: step.head(), body })
+}
+
+/// `pose`.
+#[derive(Debug, Serialize)]
+struct PoseBody {
+    #[serde(flatten)]
+    pose: Stance,
+    footprint: Vec<[f64; 2]>,
+}
+
+/// `plan`.
+#[derive(Debug, Serialize)]
+struct PlanBody {
+    poses: Vec<Stance>,
+}
+
+/// Where an agent is or will be.
+#[derive(Debug, Serialize)]
+struct Stance {
+    p_world: [f64; 3],
+    yaw_rad: f64,
+}
+
+impl From<&Pose> for Stance {
+    fn from(pose: &Pose) -> Self {
+        Self { p_world: pose.p_world.map(to_millimetre), yaw_rad: micro(pose.yaw_rad) }
+    }
+}
+
+/// `stats`.
+#[derive(Debug, Serialize)]
+struct StatsBody<'a> {
+    #[serde(flatten)]
+    numbers: Map<String, Value>,
+    bytes_sent: u64,
+    rejected: &'a BTreeMap<String, u64>,
+    withheld: u64,
+}
+
+fn pose<M: Mission>(mission: &M, step: &AgentStep<'_, M::Report>) -> Document {
+    let (camera, pose) = (mission.camera(step.agent), step.report.pose());
+    let footprint = camera.map_or_else(Vec::new, |camera| camera.at(pose).footprint());
+    let footprint = footprint.into_iter().map(|p| p.map(to_millimetre)).collect();
+    headed(step, "pose", PoseBody { pose: pose.into(), footprint })
+}
+
+fn plan<R: Report>(step: &AgentStep<'_, R>) -> Document {
+    let poses = step.report.planned().iter().map(Stance::from).collect();
+    headed(step, "plan", PlanBody { poses })
+}
+
+fn stats<M: Mission>(mission: &M, step: &AgentStep<'_, M::Report>) -> Document {
+    let defined = mission.stats(step.report).into_iter().filter_map(|(name, value)| {
+        let value = value?;
+        Some((name.to_owned(), number(value)))
+    });
+    let tally = step.report.tally();
+    let body = StatsBody {
+        numbers: defined.collect(),
+        bytes_sent: step.bytes_sent,
+        rejected: &tally.rejected,
+        withheld: tally.withheld,
+    };
+    headed(step, "stats", body)
+}
+
+/// A number as JSON: a count without decimals.
+fn number(value: f64) -> Value {
+    let is_count = value.fract() == 0.0 && value.abs() < 1e15;
+    if is_count { (value as i64).into() } else { micro(value).into() }
+}
+
+/// The document of a layer: GeoJSON of areas and points, else JSON.
+fn of_layer<R>(step: &AgentStep<'_, R>, layer: &Layer) -> Document {
+    let features: Vec<Feature> = match &layer.content {
+        Content::Cells(cells) => return headed(step, &layer.key, cells),
+        Content::Heights(oem) => return headed(step, &layer.key, oem),
+        Content::Heat(heat) => return headed(step, &layer.key, heat),
+        Content::Areas(areas) => {
+            let geometry = areas.iter().map(|area| shape::multi_polygon(&area.shapes));
+            geometry.zip(layer.properties()).map(feature).collect()
+        }
+        Content::Points(marks) => {
+            let geometry = marks.iter().map(|mark| shape::point(mark.point));
+            geometry.zip(layer.properties()).map(feature).collect()
+        }
+    };
+    Document::geojson(step.topic(&layer.key), shape::collection(features, &step.head()))
+}
+
+fn feature((geometry, properties): (geojson::GeometryValue, &Map<String, Value>)) -> Feature {
+    shape::feature(geometry, Value::Object(properties.clone()))
 }
 
 /// What became of messages to an agent, counted.
@@ -184,7 +292,7 @@ pub fn links<R>(step: &AgentStep<'_, R>) -> Document {
         Heard { src, channel, outcome, count, delay_s }
     });
     let body = Links { heard: heard.collect() };
-    Document::json(step.topic("links"), &Headed { head: step.head(), body })
+    headed(step, "links", body)
 }
 
 /// A number to six decimals: documents are for people, and digits that mean nothing take room.

@@ -21,7 +21,7 @@ use crate::fleet::{Brief, Fleet, Frames};
 pub use crate::fleet::{Flown, Passage};
 use crate::judge::{Broken, Fault, Judge, Judged, Violation};
 use crate::local::LocalFleet;
-use crate::mission::{Detail, Mission, Tally};
+use crate::mission::{Detail, Mission, Report, Tally};
 use crate::node::Node;
 
 /// An agent's process ended or began.
@@ -97,7 +97,6 @@ struct Life {
 
 /// A running mission.
 pub struct Engine<M: Mission, F = LocalFleet<M>> {
-    mission: M,
     world: World,
     fleet: F,
     lives: Vec<Life>,
@@ -179,7 +178,6 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             unchecked: 0,
             truths: VecDeque::new(),
             crashes: netem.crashes().cloned().collect(),
-            mission,
             world,
             fleet,
             seed,
@@ -293,7 +291,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             self.digest.update(&agent.digest.to_le_bytes());
             self.bytes_sent += agent.bytes_sent;
             if let Some(report) = &agent.report {
-                self.tallies[usize::from(agent.agent.0)].clone_from(self.mission.tally(report));
+                self.tallies[usize::from(agent.agent.0)].clone_from(report.tally());
             }
         }
         let violations = self.watch(step, &flown);
@@ -369,7 +367,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
 
     /// Holds a report against the truth at its step.
     fn judge_report(&mut self, now: Step, agent: AgentId, report: &M::Report) -> Vec<Violation> {
-        let step = self.mission.step(report);
+        let step = report.step();
         let Some(targets) = truth_at(&self.truths, step) else {
             tracing::warn!(%agent, %step, %now, "a report too late to check");
             self.unchecked += 1;

@@ -10,6 +10,7 @@
 //! | [`measures`], [`row`] | what is measured: columns, and one agent at one step |
 //! | [`judge`] | what a mission promises, and its checks |
 //! | [`picture`], [`shape`] | what there is to draw of an agent's knowledge |
+//! | [`style`] | how it is drawn |
 //! | [`documents`] | an agent's step as JSON documents |
 //! | [`timing`], [`stages`] | the only clock |
 //! | [`words`] | words for people |
@@ -26,5 +27,6 @@ pub mod picture;
 pub mod row;
 pub mod shape;
 pub mod stages;
+pub mod style;
 pub mod timing;
 pub mod words;

@@ -5,29 +5,32 @@ use std::collections::BTreeMap;
 use std::fmt::Debug;
 
 use csat_proto::agent::Agent;
-use csat_proto::camera::CameraModel;
+use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::command::YawCommand;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::Step;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::documents::{AgentStep, Document};
 use crate::judge::{Judge, Promise};
 use crate::measures::{Column, Measures, Milestone, Panel};
-use crate::picture::Knowledge;
+use crate::picture::Layer;
+use crate::style::Style;
 
 /// What distinguishes one kind of mission from another: the agent, what it reports, what is promised and
 /// judged, and what is measured and drawn.
 ///
-/// Agents may live in other processes, so whoever observes them knows their [`Report`](Self::Report)
-/// and nothing else.
+/// Agents may live in other processes, so their observers know their [`Report`](Self::Report) and
+/// nothing else.
 pub trait Mission: Clone + Send + Sync + 'static {
     /// The agent.
     type Agent: Agent<Command = YawCommand, Event: Serialize + DeserializeOwned + Sync> + Sync;
 
     /// What an agent's observers get to know of it at the end of a step.
-    type Report: Debug + Serialize + DeserializeOwned + Send + Sync + 'static;
+    type Report: Report;
+
+    /// How the layers of [`picture`](Self::picture) are drawn, from the bottom up.
+    const LAYERS: &'static [Style] = &[];
 
     /// What holds its reports against the truth.
     type Judge: Judge<Self::Report>;
@@ -47,9 +50,6 @@ pub trait Mission: Clone + Send + Sync + 'static {
     /// What the agent's observers get to know.
     fn report(&self, agent: &mut Self::Agent, detail: Detail) -> Self::Report;
 
-    /// The step that a report's knowledge is of.
-    fn step(&self, report: &Self::Report) -> Step;
-
     /// The judge of a run.
     fn judge(&self) -> Self::Judge;
 
@@ -59,18 +59,35 @@ pub trait Mission: Clone + Send + Sync + 'static {
     /// F ∩ {z = 0} of the agent's last frame, `world`, metres; empty without one.
     fn footprint(&self, report: &Self::Report) -> Vec<[f64; 2]>;
 
-    /// What the agent knows, to be drawn.
-    fn view(&self, report: &Self::Report) -> Knowledge;
+    /// What there is to draw of a report: at most one layer for each of [`LAYERS`](Self::LAYERS), in any
+    /// order. A layer that the report's [`Detail`] leaves out is absent.
+    fn picture(&self, _: &Self::Report) -> Vec<Layer> {
+        Vec::new()
+    }
 
-    /// What people get to see of an agent's step (docs/topics.md, `view/{i}/…`) besides what became
-    /// of messages to it; `known` is the [`view`](Self::view) of its report.
-    fn documents(&self, step: &AgentStep<'_, Self::Report>, known: &Knowledge) -> Vec<Document>;
-
-    /// What the agent did not believe and did not say in its life so far.
-    fn tally<'a>(&self, report: &'a Self::Report) -> &'a Tally;
+    /// The numbers that the agent knows of itself, by their names in `metrics.csv`; `None` where a number
+    /// is not defined.
+    fn stats(&self, _: &Self::Report) -> Vec<(&'static str, Option<f64>)> {
+        Vec::new()
+    }
 
     /// Whether an event says that an assumption failed.
     fn is_inconsistency(&self, event: &<Self::Agent as Agent>::Event) -> bool;
+}
+
+/// What every agent tells its observers, whatever its mission.
+pub trait Report: Debug + Serialize + DeserializeOwned + Send + Sync + 'static {
+    /// The step that its knowledge is of.
+    fn step(&self) -> Step;
+
+    /// The pose of its last frame, or where a ground station stands.
+    fn pose(&self) -> &Pose;
+
+    /// Where it intends to be, in the order of time.
+    fn planned(&self) -> &[Pose];
+
+    /// What it did not believe and did not say in its life so far.
+    fn tally(&self) -> &Tally;
 }
 
 /// How much an agent tells its observers.

@@ -1,27 +1,61 @@
-//! What there is to draw of an agent's knowledge, in metres of `world`.
+//! What there is to draw of an agent's knowledge: layers, in metres of `world`.
 
 use csat_proto::oem::OemCell;
 use csat_proto::raster::{Grid, Raster};
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use crate::style::Style;
 
 /// A closed ring; the last point is not repeated.
 pub type Ring = Vec<[f64; 2]>;
 /// Shapes, each an outer ring and its holes.
 pub type Shapes = Vec<Vec<Ring>>;
+/// The members of a JSON object.
+pub type Properties = Map<String, Value>;
 
-/// What one agent knows.
+/// A part of what an agent knows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Layer {
+    /// The key of its [`Style`].
+    pub key: String,
+    /// What there is to draw.
+    #[serde(flatten)]
+    pub content: Content,
+}
+
+/// What there is to draw of a layer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Content {
+    /// Sets.
+    Areas(Vec<Area>),
+    /// A raster of cells that are set or not.
+    Cells(Cells),
+    /// An occupancy-elevation map.
+    Heights(Oem),
+    /// A raster of values.
+    Heat(Heat),
+    /// Places.
+    Points(Vec<Mark>),
+}
+
+/// A set.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Knowledge {
-    /// X̄.
-    pub unexplored: Shapes,
-    /// X_j with j.
-    pub targets: Vec<(u16, Shapes)>,
-    /// X°.
-    pub obstacle_margin: Shapes,
-    /// X^h.
-    pub hidden: Cells,
-    /// The OEM.
-    pub oem: Oem,
+pub struct Area {
+    /// Its shapes.
+    pub shapes: Shapes,
+    /// What is known of it, such as `target` or `area_m2`.
+    pub properties: Properties,
+}
+
+/// A place.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Mark {
+    /// Where it is.
+    pub point: [f64; 2],
+    /// What is known of it.
+    pub properties: Properties,
 }
 
 /// A raster.
@@ -48,6 +82,105 @@ pub struct Oem {
     pub empty: Cells,
 }
 
+/// A value for each cell of a raster. Its unit is that of its [`Style`].
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Heat {
+    /// Side of a cell.
+    pub cell_m: f64,
+    /// South-west corner of cell (0, 0).
+    pub origin_m: [f64; 2],
+    /// Number of columns.
+    pub columns: u32,
+    /// The value that is drawn darkest; the lightest is 0.
+    pub maximum: f64,
+    /// Values, row by row from the south.
+    pub values: Vec<f64>,
+}
+
+impl Layer {
+    /// The layer of a style.
+    pub fn new(key: &str, content: Content) -> Self {
+        Self { key: key.to_owned(), content }
+    }
+
+    /// The layer of a style among others.
+    pub fn of<'a>(layers: &'a [Self], style: &Style) -> Option<&'a Self> {
+        layers.iter().find(|layer| layer.key == style.key)
+    }
+
+    /// The properties of its areas and points.
+    pub fn properties(&self) -> impl Iterator<Item = &Properties> {
+        let (areas, points): (&[Area], &[Mark]) = match &self.content {
+            Content::Areas(areas) => (areas, &[]),
+            Content::Points(points) => (&[], points),
+            _ => (&[], &[]),
+        };
+        let of_points = points.iter().map(|mark| &mark.properties);
+        areas.iter().map(|area| &area.properties).chain(of_points)
+    }
+}
+
+/// The targets that layers name, each once: the property `target` of areas and points.
+pub fn targets(layers: &[Layer]) -> std::collections::BTreeSet<u64> {
+    layers.iter().flat_map(Layer::properties).filter_map(|p| p.get("target")?.as_u64()).collect()
+}
+
+impl Cells {
+    /// The runs as rectangles, counter-clockwise.
+    pub fn rings(&self) -> impl Iterator<Item = Ring> {
+        let at = |column: u32, row: u32| {
+            let [x, y] = self.origin_m;
+            [x + f64::from(column) * self.cell_m, y + f64::from(row) * self.cell_m]
+        };
+        self.runs.iter().map(move |&[row, from, to]| {
+            vec![at(from, row), at(to, row), at(to, row + 1), at(from, row + 1)]
+        })
+    }
+}
+
+impl Oem {
+    /// The occupied cells by bands of equal height up to `highest_dm`, the lowest first.
+    pub fn bands(&self, count: u16, highest_dm: u16) -> Vec<Cells> {
+        let of_height = |height_dm: u16| {
+            let band = u32::from(height_dm) * u32::from(count) / (u32::from(highest_dm) + 1);
+            band.min(u32::from(count) - 1) as usize
+        };
+        let mut bands = self.empty_bands(count);
+        for &(column, row, height_dm) in &self.occupied {
+            bands[of_height(height_dm)].runs.push([row, column, column + 1]);
+        }
+        bands
+    }
+
+    /// The height of the highest cell, at least 1 dm.
+    pub fn highest_dm(&self) -> u16 {
+        self.occupied.iter().map(|cell| cell.2).max().unwrap_or(1).max(1)
+    }
+
+    fn empty_bands(&self, count: u16) -> Vec<Cells> {
+        let none = Cells { cell_m: self.cell_m, origin_m: self.origin_m, runs: Vec::new() };
+        vec![none; usize::from(count)]
+    }
+}
+
+impl Heat {
+    /// The cells by bands of equal width up to the maximum, the lowest first. A value of 0 and what is
+    /// no number are in none.
+    pub fn bands(&self, count: u16) -> Vec<Cells> {
+        let band_of = |value: f64| {
+            let share = (value / self.maximum * f64::from(count)).ceil().min(f64::from(count));
+            (share >= 1.0).then(|| share as u16 - 1)
+        };
+        let at = |index: usize| (index as u32 % self.columns, index as u32 / self.columns);
+        let of_band = |band: u16| {
+            let values = self.values.iter().enumerate();
+            let cells = values.filter(move |(_, value)| band_of(**value) == Some(band));
+            runs(self.cell_m, self.origin_m, cells.map(|(index, _)| at(index)))
+        };
+        (0..count).map(of_band).collect()
+    }
+}
+
 /// A length to the nearest millimetre.
 pub fn to_millimetre(metres: f64) -> f64 {
     (metres * 1e3).round() / 1e3
@@ -55,7 +188,8 @@ pub fn to_millimetre(metres: f64) -> f64 {
 
 /// A raster as runs.
 pub fn cells(raster: &Raster) -> Cells {
-    runs(raster.grid(), raster.iter())
+    let grid = raster.grid();
+    runs(grid.cell_m, grid.origin(), raster.iter())
 }
 
 /// An OEM from the states of its cells in row-major order.
@@ -72,11 +206,11 @@ pub fn oem(grid: &Grid, states: &[OemCell]) -> Oem {
         cell_m: grid.cell_m,
         origin_m: grid.origin(),
         occupied: occupied.collect(),
-        empty: runs(grid, of(|s| *s == OemCell::Empty)),
+        empty: runs(grid.cell_m, grid.origin(), of(|s| *s == OemCell::Empty)),
     }
 }
 
-fn runs(grid: &Grid, cells: impl Iterator<Item = (u32, u32)>) -> Cells {
+fn runs(cell_m: f64, origin_m: [f64; 2], cells: impl Iterator<Item = (u32, u32)>) -> Cells {
     let mut runs: Vec<[u32; 3]> = Vec::new();
     for (column, row) in cells {
         match runs.last_mut() {
@@ -84,7 +218,7 @@ fn runs(grid: &Grid, cells: impl Iterator<Item = (u32, u32)>) -> Cells {
             _ => runs.push([row, column, column + 1]),
         }
     }
-    Cells { cell_m: grid.cell_m, origin_m: grid.origin(), runs }
+    Cells { cell_m, origin_m, runs }
 }
 
 #[cfg(test)]
@@ -107,5 +241,30 @@ mod tests {
         assert_eq!(oem.occupied, [(0, 1, 123)]);
         assert_eq!(oem.empty.runs, [[0, 2, 4]]);
         assert_eq!(oem.origin_m, [-10.0, -5.0]);
+        let bands = oem.bands(5, oem.highest_dm());
+        assert_eq!(bands.iter().map(|band| band.runs.len()).collect::<Vec<_>>(), [0, 0, 0, 0, 1]);
+    }
+
+    #[test]
+    fn heat_is_drawn_in_bands() {
+        let values = vec![0.0, 0.1, 0.5, f64::NAN, 1.0, 3.0];
+        let heat = Heat { cell_m: 2.0, origin_m: [0.0; 2], columns: 3, maximum: 1.0, values };
+        let bands = heat.bands(2);
+        assert_eq!(bands[0].runs, [[0, 1, 3]]);
+        assert_eq!(bands[1].runs, [[1, 1, 3]]);
+    }
+
+    #[test]
+    fn layers_are_json_with_their_content_beside_their_key() {
+        let properties = Properties::from_iter([("target".to_owned(), 3.into())]);
+        let layers = [
+            Layer::new("cars", Content::Points(vec![Mark { point: [1.0, 2.5], properties }])),
+            Layer::new("belief", Content::Heat(Heat::default())),
+        ];
+        let text = serde_json::to_string(&layers).unwrap();
+        let points = r#"[{"key":"cars","points":[{"point":[1.0,2.5],"properties":{"target":3}}]},"#;
+        assert!(text.starts_with(points), "{text}");
+        assert_eq!(serde_json::from_str::<Vec<Layer>>(&text).unwrap(), layers);
+        assert_eq!(targets(&layers), [3].into());
     }
 }

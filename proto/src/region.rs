@@ -91,6 +91,20 @@ impl GridBox {
     }
 }
 
+/// Whether edges that enclose something enclose a point, by the even-odd rule. On an edge either answer
+/// is possible.
+pub fn is_inside<E>(edges: impl IntoIterator<Item = E>, p: [f64; 2]) -> bool
+where
+    E: std::borrow::Borrow<[[f64; 2]; 2]>,
+{
+    edges.into_iter().fold(false, |is_inside, edge| {
+        let [a, b] = edge.borrow();
+        let crosses = (a[1] > p[1]) != (b[1] > p[1])
+            && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+        is_inside != crosses
+    })
+}
+
 /// A planar set: disjoint shapes in `world`. What it says of a guarantee (outer or inner) is the
 /// business of `csat-agent`'s types.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -168,20 +182,11 @@ impl Region {
     /// Whether a point (metres) lies in the set. On the boundary either answer is possible: ask
     /// [`Self::distance_m`] when that matters.
     pub fn contains(&self, p: [f64; 2]) -> bool {
-        let mut inside = false;
-        for ring in self.rings() {
-            let mut a = metres(*ring.last().expect("rings are never empty"));
-            for &q in ring {
-                let b = metres(q);
-                if (a[1] > p[1]) != (b[1] > p[1])
-                    && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-                {
-                    inside = !inside;
-                }
-                a = b;
-            }
-        }
-        inside
+        let edges = self.rings().flat_map(|ring| {
+            let starts = ring.last().into_iter().chain(ring);
+            starts.zip(ring).map(|(&a, &b)| [metres(a), metres(b)])
+        });
+        is_inside(edges, p)
     }
 
     /// Distance in metres from a point to the set: 0 inside, infinite for ∅.

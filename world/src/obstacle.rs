@@ -1,5 +1,6 @@
 //! Obstacles: Z-convex solids (3.1) that stand on the ground, and exact distances to them.
 
+use csat_proto::region::is_inside;
 use geo::{Area, Polygon};
 
 use crate::plane::{Bounds, Point, distance_to_segment_m};
@@ -116,7 +117,7 @@ impl Footprint {
     }
 
     fn distance_m(&self, p: Point) -> f64 {
-        if contains(&self.edges, p) {
+        if is_inside(&self.edges, p) {
             return 0.0;
         }
         self.edges
@@ -124,19 +125,6 @@ impl Footprint {
             .map(|&[a, b]| distance_to_segment_m(p, a, b))
             .fold(f64::INFINITY, f64::min)
     }
-}
-
-/// Even-odd rule; on the boundary either answer is possible.
-pub(crate) fn contains(edges: &[[Point; 2]], p: Point) -> bool {
-    let mut inside = false;
-    for &[a, b] in edges {
-        if (a[1] > p[1]) != (b[1] > p[1])
-            && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-        {
-            inside = !inside;
-        }
-    }
-    inside
 }
 
 #[cfg(test)]

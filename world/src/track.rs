@@ -9,8 +9,9 @@ use std::fmt;
 
 use csat_proto::ids::TargetId;
 use csat_proto::model::{Ground, TargetsModel};
+use csat_proto::region::is_inside;
 
-use crate::obstacle::{Obstacle, Walls, contains};
+use crate::obstacle::{Obstacle, Walls};
 use crate::plane::{
     Bounds, Point, between, distance_m, distance_to_segment_m, minus, segment_distance_m,
 };
@@ -289,7 +290,7 @@ fn too_fast(target: TargetId, [from, to]: &[Waypoint; 2], limit_m_s: f64) -> Opt
 fn nearest(way: [Point; 2], walls: &Walls, reach_m: f64) -> Option<(usize, f64)> {
     let near = walls.near_segment(way, reach_m).map(|(index, edges)| {
         let to_edge = edges.iter().map(|edge| segment_distance_m(way, *edge));
-        let inside = contains(edges, way[0]);
+        let inside = is_inside(edges, way[0]);
         (index, if inside { 0.0 } else { to_edge.fold(f64::INFINITY, f64::min) })
     });
     near.filter(|(_, distance)| *distance <= reach_m).min_by(|a, b| a.1.total_cmp(&b.1))

@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use csat_experiments::plot::canvas::{group, label, round, text};
-use csat_experiments::plot::layers;
 use csat_experiments::scenario::Loaded;
-use csat_experiments::set_membership::SetMembership;
+use csat_experiments::set_membership::{SetMembership, layers as known};
 use csat_mission::engine::{Engine, LifeEvent};
 use csat_netem::fate::Reason;
 use csat_proto::ids::AgentId;
@@ -59,7 +58,7 @@ impl Axis {
 /// The colour of what became of a message.
 fn colour(fate: Option<Reason>) -> &'static str {
     match fate {
-        None => layers::TARGET_SET,
+        None => known::TARGET_SET,
         Some(Reason::Outage) => "#111111",
         Some(Reason::Partition) => "#CC79A7",
         Some(Reason::Range) => "#0072B2",
@@ -157,22 +156,22 @@ pub fn guarantee(recorded: &Recorded) -> String {
         let middle = TOP_PX + ROW_PX * (car as f64 + 0.5);
         sheet.add(text(GAP_PX, middle + 4.0, 12.0, format!("car {car}")), 0.0);
         let checks: Vec<Check> = recorded.checks.iter().map(|step| step[car]).collect();
-        for (is_identified, fill) in [(false, layers::UNEXPLORED), (true, layers::TARGET_SET)] {
+        for (is_identified, fill) in [(false, known::UNEXPLORED), (true, known::TARGET_SET)] {
             let data = band(&axis, recorded.period_s, middle, &checks, |check| {
                 check.is_contained && check.is_identified == is_identified
             });
             sheet.add(Path::new().set("d", data).set("fill", fill), 0.0);
         }
         let broken = band(&axis, recorded.period_s, middle, &checks, |check| !check.is_contained);
-        sheet.add(Path::new().set("d", broken).set("fill", layers::OEM), 0.0);
+        sheet.add(Path::new().set("d", broken).set("fill", known::OEM), 0.0);
     }
     let steps = recorded.checks.len();
     let broken = recorded.checks.iter().flatten().filter(|check| !check.is_contained).count();
     let found = format!("outside its set: a violation ({broken} of {} checks)", steps * cars);
     sheet.key(&[
-        (Style::fill(layers::UNEXPLORED, 1.0), "not identified: in X̄"),
-        (Style::fill(layers::TARGET_SET, 1.0), "identified: in its own set"),
-        (Style::fill(layers::OEM, 1.0), &found),
+        (Style::fill(known::UNEXPLORED, 1.0), "not identified: in X̄"),
+        (Style::fill(known::TARGET_SET, 1.0), "identified: in its own set"),
+        (Style::fill(known::OEM, 1.0), &found),
     ]);
     sheet.finish()
 }

@@ -84,7 +84,7 @@ impl Recorded {
         view.time_s = time_s;
         view.targets = engine.world().targets().iter().map(|t| vec![t.location]).collect();
         let report = mission.report(&mut agents[viewer], Detail::Full);
-        view.agents = vec![mission.view(&report)];
+        view.agents = vec![mission.picture(&report)];
         let until = (until_s / scenario.run.period_s).round() as usize;
         while checks.len() <= until {
             engine.step();

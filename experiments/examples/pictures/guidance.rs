@@ -6,7 +6,8 @@ use csat_agent::agent::SetMembershipAgent;
 use csat_agent::guidance::Planner;
 use csat_agent::guidance::rollout::Motion;
 use csat_experiments::plot::canvas::{Panel, group, label, round};
-use csat_experiments::plot::{layers, uav_colour};
+use csat_experiments::plot::{town, uav_colour};
+use csat_experiments::set_membership::layers as known;
 use csat_mission::picture;
 use csat_proto::camera::Pose;
 use csat_proto::raster::Raster;
@@ -41,10 +42,10 @@ pub fn guidance(recorded: &Recorded) -> String {
     let overview = |panel: &Panel| {
         let wanted = picture::cells(&agent.knowledge().coarse().wanted);
         let all = group("decision")
-            .add(layers::ground(panel, &recorded.view))
-            .add(Style::fill(layers::UNEXPLORED, 0.85).on(panel.cells(&wanted)))
+            .add(town::ground(panel, &recorded.view))
+            .add(Style::fill(known::UNEXPLORED, 0.85).on(panel.cells(&wanted)))
             .add(SEEN.on(panel.cells(&picture::cells(&taken.seen))))
-            .add(layers::buildings(panel, &recorded.view));
+            .add(town::buildings(panel, &recorded.view));
         let all = chosen.iter().fold(all, |all, pose| {
             let corners = agent.config().camera.at(pose).footprint();
             all.add(footprint.on(panel.area_of([&corners])))
@@ -81,7 +82,7 @@ pub fn guidance(recorded: &Recorded) -> String {
     let [x, y, _] = agent.pose().p_world;
     sheet.window((1, width), &title, ([x, y], [78.0; 2]), close);
     sheet.key(&[
-        (Style::fill(layers::UNEXPLORED, 0.85), "X^Δ, where cars can be"),
+        (Style::fill(known::UNEXPLORED, 0.85), "X^Δ, where cars can be"),
         (SEEN, "what the plan would see of it"),
         (footprint, "its footprints after 3 s and 6 s"),
         (Style::fill("#D55E00", 0.6), "the plan chosen"),

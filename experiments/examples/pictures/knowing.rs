@@ -5,19 +5,21 @@ use csat_agent::estimate::evidence::Ager;
 use csat_agent::estimate::predict::Predictor;
 use csat_agent::region::Outer;
 use csat_experiments::plot::canvas::{Panel, group, label};
-use csat_experiments::plot::layers;
-use csat_mission::picture;
+use csat_experiments::plot::{layers, town};
+use csat_experiments::set_membership::layers as known;
+use csat_mission::picture::{self, Layer};
 use csat_proto::model::Ground;
 use csat_proto::raster::{Grid, Raster};
 use csat_proto::region::{Region, grid_point};
 use csat_proto::time::Step;
+use svg::node::element::Group;
 
 use super::flight::{Recorded, nearest_detection, shapes};
 use super::sensing::{BUILDING, CAR, CLEAR, TARGET, area, looks, scene};
 use super::sheet::{Sheet, Style};
 
 /// X̄.
-const UNEXPLORED: Style = Style::fill(layers::UNEXPLORED, 0.85).outlined("#B79F00", 0.8);
+const UNEXPLORED: Style = Style::fill(known::UNEXPLORED, 0.85).outlined("#B79F00", 0.8);
 /// What a prediction adds.
 const ADDED: Style = Style::fill("#D55E00", 0.8);
 /// What a correction removes.
@@ -47,8 +49,8 @@ pub fn predict_and_correct(recorded: &Recorded) -> String {
     let width = sheet.share(3);
     let base = |panel: &Panel| {
         group("town")
-            .add(layers::ground(panel, &recorded.view))
-            .add(layers::buildings(panel, &recorded.view))
+            .add(town::ground(panel, &recorded.view))
+            .add(town::buildings(panel, &recorded.view))
     };
     let place = (window, [SIDE_M; 2]);
     sheet.window((0, width), "X̄ at step k-1", place, |panel| {
@@ -73,7 +75,7 @@ pub fn predict_and_correct(recorded: &Recorded) -> String {
 }
 
 /// The same, hiding what is under it.
-const UNEXPLORED_SOLID: Style = Style::fill(layers::UNEXPLORED, 1.0).outlined("#B79F00", 0.8);
+const UNEXPLORED_SOLID: Style = Style::fill(known::UNEXPLORED, 1.0).outlined("#B79F00", 0.8);
 
 /// An axis-aligned square.
 fn square([x, y]: [f64; 2], side_m: f64) -> Region {
@@ -117,32 +119,35 @@ pub fn hidden_and_oem(recorded: &mut Recorded) -> String {
     let place = scene(recorded);
     sheet.window((0, width), "What this frame does not show", place, |panel| {
         group("hidden-now")
-            .add(layers::ground(panel, &recorded.view))
+            .add(town::ground(panel, &recorded.view))
             .add(area(panel, &shapes(recorded.measured.clear_ground.region()), CLEAR))
             .add(HIDDEN.on(panel.cells(&now)))
-            .add(layers::buildings(panel, &recorded.view))
+            .add(town::buildings(panel, &recorded.view))
             .add(looks(panel, recorded))
     });
     sheet.window((1, width), "What the map of buildings lets expect", place, |panel| {
-        let knowledge = &recorded.view.agents[0];
-        let outlines = recorded.view.obstacles.iter().fold(group("outlines"), |all, building| {
-            all.add(Style::line("#333333", 0.9).on(panel.area_of(&building.rings)))
-        });
         group("oem")
-            .add(layers::ground(panel, &recorded.view))
-            .add(layers::oem_filled(panel, &knowledge.oem))
+            .add(town::ground(panel, &recorded.view))
+            .add(oem(panel, recorded))
             .add(HIDDEN.on(panel.cells(&predicted)))
-            .add(outlines)
+            .add(town::outlines(panel, &recorded.view))
             .add(looks(panel, recorded))
     });
     sheet.key(&[
         (CLEAR, "C, clear ground"),
         (HIDDEN, "hidden ground: in the frame, and expected"),
-        (Style::fill(layers::OEM, 0.8), "Occupied, darker when higher"),
+        (Style::fill(known::OEM, 0.8), "Occupied, darker when higher"),
         (Style::fill("#D7E8F3", 1.0), "Empty"),
         (BUILDING, "building in truth"),
     ]);
     sheet.finish()
+}
+
+/// The viewer's map of buildings.
+fn oem(panel: &Panel, recorded: &Recorded) -> Group {
+    let style = known::LAYERS.iter().find(|style| style.key == "oem").expect("a layer of it");
+    let layer = Layer::of(recorded.view.of_agent(0), style).expect("the report has its maps");
+    layers::filled(panel, style, &layer.content)
 }
 
 /// What a message proves when it comes late.
@@ -160,17 +165,17 @@ pub fn ageing(recorded: &Recorded) -> String {
     let mut sheet = Sheet::new(980.0);
     let width = sheet.share(2);
     sheet.window((0, width), "Inner: clear ground erodes", scene(recorded), |panel| {
-        let town = group("clear").add(layers::ground(panel, &recorded.view));
+        let town = group("clear").add(town::ground(panel, &recorded.view));
         let eroded = AGES_S.iter().zip(SHADES).fold(town, |all, (&age_s, opacity)| {
             let set = reach(age_s).map_or_else(|| clear.clone(), |r| clear.eroded_far(&r));
             let style = Style { opacity, ..Style::fill("#2F7FA8", 1.0).outlined("#1D5A7A", 0.8) };
             all.add(area(panel, &shapes(set.region()), style))
         });
-        eroded.add(layers::buildings(panel, &recorded.view)).add(looks(panel, recorded))
+        eroded.add(town::buildings(panel, &recorded.view)).add(looks(panel, recorded))
     });
     let title = format!("Outer: the set of car {} dilates", target.0);
     sheet.window((1, width), &title, (place, [46.0; 2]), |panel| {
-        let town = group("location").add(layers::ground(panel, &recorded.view));
+        let town = group("location").add(town::ground(panel, &recorded.view));
         let grown = AGES_S.iter().zip(SHADES).rev().fold(town, |all, (&age_s, opacity)| {
             let bounds = Region::rectangle(config.ground.size_m);
             let set = reach(age_s)
@@ -183,7 +188,7 @@ pub fn ageing(recorded: &Recorded) -> String {
             let words = format!("{age_s} s: {:.0} m²", set.region().area_m2());
             all.add(area(panel, &shapes, style)).add(label(x, y + 15.0, 12.0, "#00573F", words))
         });
-        grown.add(layers::cars(panel, &recorded.view, 0))
+        grown.add(town::cars(panel, &recorded.view, 0))
     });
     let shade = |opacity| Style::fill("#2F7FA8", opacity);
     sheet.key(&[

@@ -1,7 +1,8 @@
 //! What one frame shows and proves, and what sets guarantee.
 
 use csat_experiments::plot::canvas::{Panel, group, label, text};
-use csat_experiments::plot::{layers, uav_colour};
+use csat_experiments::plot::{town, uav_colour};
+use csat_experiments::set_membership::layers as known;
 use csat_mission::picture::Shapes;
 use csat_proto::frame::{Detection, Frame, Label};
 use svg::node::element::{Group, Path, Rectangle};
@@ -12,18 +13,18 @@ use super::sheet::{GAP_PX, Sheet, Style};
 /// The colours of labels.
 const LABELS: [(Label, &str, &str); 4] = [
     (Label::Ground, "#DCD6C2", "Ground"),
-    (Label::Obstacle, layers::BUILDING, "Obstacle"),
-    (Label::Target, layers::TARGET_SET, "Target"),
+    (Label::Obstacle, town::BUILDING, "Obstacle"),
+    (Label::Target, known::TARGET_SET, "Target"),
     (Label::Unknown, "#1B1B1B", "Unknown"),
 ];
 /// C, the clear ground.
 pub const CLEAR: Style = Style::fill("#9ED3F0", 0.75).outlined("#2F7FA8", 0.8);
 /// Buildings, for explanations.
-pub const BUILDING: Style = Style::fill(layers::BUILDING, 1.0).outlined("#4A4A4A", 0.6);
+pub const BUILDING: Style = Style::fill(town::BUILDING, 1.0).outlined("#4A4A4A", 0.6);
 /// X°, the obstacle margin.
-pub const MARGIN: Style = Style::fill("url(#hatch-margin)", 1.0).outlined("#000000", 0.7);
+pub const MARGIN: Style = Style::fill("url(#hatch-obstacles)", 1.0).outlined("#000000", 0.7);
 /// A set of an identified target.
-pub const TARGET: Style = Style::fill(layers::TARGET_SET, 0.6).outlined("#00573F", 1.0);
+pub const TARGET: Style = Style::fill(known::TARGET_SET, 0.6).outlined("#00573F", 1.0);
 /// X̲.
 const EXCLUSION: Style = Style::fill("#5D3A9B", 0.12).outlined("#5D3A9B", 1.6);
 /// A car.
@@ -77,9 +78,9 @@ pub fn frame(recorded: &Recorded) -> String {
     let left = 2.0 * GAP_PX + columns;
     sheet.window_at(left, width, "What is there, from above", (centre, size), |panel| {
         group("truth")
-            .add(layers::ground(panel, &recorded.view))
-            .add(layers::buildings(panel, &recorded.view))
-            .add(layers::cars(panel, &recorded.view, 0))
+            .add(town::ground(panel, &recorded.view))
+            .add(town::buildings(panel, &recorded.view))
+            .add(town::cars(panel, &recorded.view, 0))
             .add(looks(panel, recorded))
     });
     let mut key: Vec<(Style, &str)> =
@@ -161,9 +162,9 @@ pub fn sensing(recorded: &Recorded) -> String {
     let measured = &recorded.measured;
     let draw = |panel: &Panel| {
         let mut all = group("measured")
-            .add(layers::ground(panel, &recorded.view))
+            .add(town::ground(panel, &recorded.view))
             .add(area(panel, &shapes(measured.clear_ground.region()), CLEAR))
-            .add(layers::buildings(panel, &recorded.view))
+            .add(town::buildings(panel, &recorded.view))
             .add(area(panel, &shapes(measured.obstacle_margin.region()), MARGIN));
         for seen in &measured.targets {
             all = all.add(area(panel, &shapes(seen.exclusion.region()), EXCLUSION)).add(area(
@@ -172,7 +173,7 @@ pub fn sensing(recorded: &Recorded) -> String {
                 TARGET,
             ));
         }
-        all.add(layers::cars(panel, &recorded.view, 0)).add(looks(panel, recorded))
+        all.add(town::cars(panel, &recorded.view, 0)).add(looks(panel, recorded))
     };
     sheet.window((0, width), "What one frame proves", scene(recorded), draw);
     let (target, place) = nearest_detection(recorded).expect("the viewer sees a car");
@@ -213,8 +214,8 @@ pub fn outer_and_inner(recorded: &Recorded) -> String {
     let title = format!("Outer: {} may only grow", "X̄");
     sheet.window((0, width), &title, (centre, [side + 24.0; 2]), |panel| {
         group("outer")
-            .add(area(panel, &simple, Style::fill(layers::UNEXPLORED, 0.85)))
-            .add(layers::buildings(panel, &recorded.view))
+            .add(area(panel, &simple, Style::fill(known::UNEXPLORED, 0.85)))
+            .add(town::buildings(panel, &recorded.view))
             .add(area(panel, &simple, Style::line("#B79F00", 1.6)))
             .add(area(panel, &outer, exact))
     });
@@ -223,14 +224,14 @@ pub fn outer_and_inner(recorded: &Recorded) -> String {
     let simple = pieces(knowledge.margin.clone().simplified(TOLERANCE_M / 2.0).region());
     sheet.window((1, width), "Inner: X° may only shrink", (centre, [side + 16.0; 2]), |panel| {
         group("inner")
-            .add(layers::buildings(panel, &recorded.view))
+            .add(town::buildings(panel, &recorded.view))
             .add(area(panel, &simple, Style::fill("#CC79A7", 0.55).outlined("#A0447A", 1.6)))
             .add(area(panel, &inner, exact))
     });
     sheet.key(&[
         (exact, "the set as it is"),
         (
-            Style::fill(layers::UNEXPLORED, 0.85).outlined("#B79F00", 1.6),
+            Style::fill(known::UNEXPLORED, 0.85).outlined("#B79F00", 1.6),
             "X̄ simplified by up to 4 m: contains it",
         ),
         (

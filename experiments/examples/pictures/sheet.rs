@@ -2,6 +2,7 @@
 
 use csat_experiments::plot::canvas::{Panel, group, round, text};
 use csat_experiments::plot::layers;
+use csat_experiments::set_membership::layers as known;
 use svg::Document;
 use svg::node::Node;
 use svg::node::element::{ClipPath, Group, Path, Rectangle};
@@ -143,7 +144,7 @@ impl Sheet {
     /// The SVG.
     pub fn finish(self) -> String {
         let (width, height) = (round(self.width), round(self.height + GAP_PX / 1.5));
-        let mut definitions = layers::hatches();
+        let mut definitions = layers::hatches(known::LAYERS);
         for (index, panel) in self.clips.iter().enumerate() {
             let id = format!("window-{index}");
             definitions.append(ClipPath::new().set("id", id).add(frame_of(panel)));

@@ -66,8 +66,10 @@ fn show(
             endpoints.join(", ")
         ))
     );
-    let town = film.documents.iter().find(|r| r.document.topic == truth::TOWN);
-    let _town = town.map(|town| answer(session, keys, &town.document)).transpose()?;
+    let once = [truth::TOWN, truth::LAYERS];
+    let once = film.documents.iter().filter(|r| once.contains(&&*r.document.topic));
+    let _answers =
+        once.map(|r| answer(session, keys, &r.document)).collect::<Result<Vec<_>, _>>()?;
     let bar = bar(film, arguments.speed);
     loop {
         let at = |time_s: f64| bar.set_position(time_s as u64);
@@ -92,7 +94,7 @@ fn publish(session: &Session, keys: Keys, document: &Document) -> anyhow::Result
         .map_err(|error| anyhow::anyhow!("cannot publish {}: {error}", document.topic))
 }
 
-/// Gives a document to whoever asks for it, as long as the returned queryable lives.
+/// Answers queries for a document, as long as the returned queryable lives.
 fn answer(
     session: &Session,
     keys: Keys,
@@ -105,7 +107,7 @@ fn answer(
         .callback(move |query| {
             let reply = query.reply(key.clone(), body.as_str()).encoding(Encoding::from(encoding));
             if let Err(error) = reply.wait() {
-                tracing::warn!(%error, "nobody took the town");
+                tracing::warn!(%error, "the answer did not arrive");
             }
         })
         .wait()

@@ -4,11 +4,10 @@ use svg::Document;
 use svg::node::element::{ClipPath, Definitions, Group, Rectangle, Title, Use};
 
 use super::canvas::{Panel, group, round, text};
-use super::map::{margin_m, title};
-use super::{layers, legend};
+use super::map::{drawn, labelled, margin_m, title};
+use super::{layers, legend, town};
 use crate::view::View;
-use crate::view::area_m2;
-use csat_mission::picture::Knowledge;
+use csat_mission::picture::{Layer, targets};
 
 const WIDTH_PX: f64 = 1240.0;
 const GAP_PX: f64 = 20.0;
@@ -31,7 +30,7 @@ pub fn agents_svg(view: &View) -> String {
     let shrunk = width / panel.width;
     let row_px = panel.height * shrunk + TITLE_PX + GAP_PX;
     let legend_y = HEADER_PX + rows as f64 * row_px;
-    let height = legend_y + legend::HEIGHT_PX + 2.0 * GAP_PX;
+    let height = legend_y + legend::height_px(view, None) + 2.0 * GAP_PX;
     let mut document = Document::new()
         .set("viewBox", (0, 0, round(WIDTH_PX), round(height)))
         .set("width", round(WIDTH_PX))
@@ -42,17 +41,16 @@ pub fn agents_svg(view: &View) -> String {
         .add(Rectangle::new().set("width", "100%").set("height", "100%").set("fill", "#ffffff"))
         .add(text(GAP_PX, 34.0, 22.0, title(view)).set("font-weight", "bold"))
         .add(text(GAP_PX, 54.0, 14.0, "what each agent knows"));
-    for (agent, knowledge) in view.agents.iter().enumerate() {
+    for (agent, known) in view.agents.iter().enumerate() {
         let (row, column) = (agent / columns, agent % columns);
         let x = GAP_PX + column as f64 * (width + GAP_PX);
         let y = HEADER_PX + row as f64 * row_px + TITLE_PX;
         document = document.add(
             group("agent")
                 .set("transform", format!("translate({} {})", round(x), round(y)))
-                .add(heading(agent, knowledge, view, width))
+                .add(heading(agent, known, view, width))
                 .add(
-                    map(&panel, view, agent, knowledge)
-                        .set("transform", format!("scale({shrunk:.4})")),
+                    map(&panel, view, agent, known).set("transform", format!("scale({shrunk:.4})")),
                 ),
         );
     }
@@ -63,44 +61,46 @@ pub fn agents_svg(view: &View) -> String {
 }
 
 /// In numbers what its map shows; less of it where there is less room.
-fn heading(agent: usize, knowledge: &Knowledge, view: &View, width: f64) -> Group {
-    let unexplored = 100.0 * area_m2(&knowledge.unexplored) / (view.size_m[0] * view.size_m[1]);
-    let cars = format!("{} of {} cars", knowledge.targets.len(), view.targets.len());
+fn heading(agent: usize, known: &[Layer], view: &View, width: f64) -> Group {
+    let cars = format!("{} of {} cars", targets(known).len(), view.targets.len());
     let name = view.name_of(agent);
-    let words = if width > 260.0 {
-        format!("{name}: {cars}, {unexplored:.1} % unexplored")
-    } else {
-        format!("{name}: {cars}")
+    let words = match shares(known) {
+        shares if width > 260.0 => format!("{name}: {cars}{shares}"),
+        _ => format!("{name}: {cars}"),
     };
     let size = if width > 200.0 { 13.0 } else { 10.0 };
     group("heading").add(text(0.0, -7.0, size, words).set("font-weight", "bold"))
 }
 
-fn map(panel: &Panel, view: &View, agent: usize, knowledge: &Knowledge) -> Group {
+/// The shares of the region that layers of one area say: `, 16.8 % unexplored`.
+fn shares(known: &[Layer]) -> String {
+    let share = |layer: &Layer| {
+        let share_pct = layer.properties().next()?.get("share_pct")?.as_f64()?;
+        Some(format!(", {share_pct:.1} % {}", layer.key))
+    };
+    known.iter().filter_map(share).collect()
+}
+
+fn map(panel: &Panel, view: &View, agent: usize, known: &[Layer]) -> Group {
     let shared = |id: &str| Use::new().set("href", format!("#{id}"));
-    Group::new()
-        .set("clip-path", "url(#panel)")
-        .add(shared("ground"))
-        .add(layers::unexplored(panel, knowledge))
-        .add(layers::hidden(panel, knowledge))
-        .add(shared("buildings"))
-        .add(layers::margin(panel, knowledge))
-        .add(layers::oem_outlines(panel, &knowledge.oem))
-        .add(layers::target_sets(panel, knowledge))
-        .add(layers::cars(panel, view, agent))
+    let (ground, above): (Vec<_>, Vec<_>) = view.layers.iter().partition(|style| style.is_ground);
+    let all = Group::new().set("clip-path", "url(#panel)").add(shared("ground"));
+    let all = drawn(panel, ground, known, all).add(shared("buildings"));
+    let all = drawn(panel, above, known, all)
+        .add(town::cars(panel, view, agent))
         .add(shared("uavs"))
-        .add(shared("stations"))
-        .add(layers::target_labels(panel, knowledge))
+        .add(shared("stations"));
+    labelled(panel, view, known, all)
 }
 
 /// What is the same on every map is written once.
 fn definitions(panel: &Panel, view: &View) -> Definitions {
     let area = Rectangle::new().set("width", round(panel.width)).set("height", round(panel.height));
-    layers::hatches()
+    layers::hatches(&view.layers)
         .add(ClipPath::new().set("id", "panel").add(area))
         .add(super::map::near_region(panel, view.size_m))
-        .add(layers::ground(panel, view).set("id", "ground"))
-        .add(layers::buildings(panel, view).set("id", "buildings"))
-        .add(layers::uavs(panel, view).set("id", "uavs"))
-        .add(layers::stations(panel, view).set("id", "stations"))
+        .add(town::ground(panel, view).set("id", "ground"))
+        .add(town::buildings(panel, view).set("id", "buildings"))
+        .add(town::uavs(panel, view).set("id", "uavs"))
+        .add(town::stations(panel, view).set("id", "stations"))
 }

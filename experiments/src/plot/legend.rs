@@ -1,83 +1,146 @@
-//! The legend of `map.svg`.
+//! The legend of maps: the layers of the mission, then what is the same for all missions.
 
+use svg::Node;
 use svg::node::element::{Circle, Group, Line, Path, Rectangle};
 
 use super::canvas::{group, round, text};
-use super::{layers, uav_colour};
+use super::{layers, town, uav_colour};
 use crate::view::View;
+use csat_mission::picture::{Layer, Properties};
+use csat_mission::style::{Form, Style};
 
-/// Height of the legend, pixels.
-pub const HEIGHT_PX: f64 = ROW_PX * 10.0;
 const ROW_PX: f64 = 21.0;
 
+/// A legend in the making.
+struct Legend {
+    all: Group,
+    x: f64,
+    /// Where the next row begins.
+    y: f64,
+}
+
+/// Height of the legend, pixels; `agent` as for [`legend`].
+pub fn height_px(view: &View, agent: Option<usize>) -> f64 {
+    let scales = view.layers.iter().filter(|style| agent.is_some() && has_scale(style));
+    ROW_PX * (view.layers.len() + scales.count() + 4) as f64
+}
+
 /// The legend with its top left corner at (x, y): of a map of what one agent knows, or without the
-/// scale of heights, which is each agent's own, of the maps of all.
+/// scales of heights and values, which are each agent's own, of the maps of all.
 pub fn legend(x: f64, y: f64, view: &View, agent: Option<usize>) -> Group {
-    let box_at = |row: f64| {
-        Rectangle::new()
-            .set("x", round(x))
-            .set("y", round(y + row * ROW_PX + 3.0))
-            .set("width", 22)
-            .set("height", 13)
-    };
-    let say = |row: f64, words: &str| text(x + 32.0, y + row * ROW_PX + 14.0, 13.0, words);
-    let line = |row: f64| {
-        let middle = round(y + row * ROW_PX + 9.5);
-        Line::new()
-            .set("x1", round(x))
-            .set("x2", round(x + 22.0))
-            .set("y1", middle)
-            .set("y2", middle)
-    };
-    let filled = [
-        ("X̄ unexplored: other cars can only be here", layers::UNEXPLORED, "#B79F00"),
-        ("Xⱼ: the identified car j is in it", layers::TARGET_SET, "#00573F"),
-        ("ground hidden and not seen since", "url(#hatch-hidden)", "none"),
-        ("X° obstacle margin: no car can be here", "url(#hatch-margin)", "#000000"),
-        ("building, darker when higher", layers::BUILDING, "#4A4A4A"),
-    ];
-    let mut legend = group("legend");
-    for (row, (words, fill, stroke)) in filled.into_iter().enumerate() {
-        let sample = box_at(row as f64).set("fill", fill).set("stroke", stroke);
-        legend = legend.add(sample).add(say(row as f64, words));
+    let mut legend = Legend { all: group("legend"), x, y };
+    for style in &view.layers {
+        legend.layer(style);
+        let layers = agent.map(|agent| view.of_agent(agent));
+        if let Some(layers) = layers.filter(|_| has_scale(style)) {
+            legend.scale(style, Layer::of(layers, style));
+        }
     }
-    let colour = uav_colour(0);
-    let start = Circle::new()
-        .set("cx", round(x))
-        .set("cy", round(y + 6.0 * ROW_PX + 9.5))
-        .set("r", 3.5)
-        .set("fill", "#ffffff")
-        .set("stroke", colour);
-    let track = line(5.0).set("stroke", "#000000").set("stroke-opacity", layers::TRACK_OPACITY);
-    let of = agent.map_or_else(|| "the agent".to_owned(), |agent| view.name_of(agent));
-    let cars = format!("cars, known to {of} and not; their tracks");
-    let unseen = box_at(9.0).set("fill", "#ffffff").set("stroke", "#4A4A4A");
-    if !view.stations.is_empty() {
-        let middle = y + 7.0 * ROW_PX + 9.5;
-        legend = legend
-            .add(layers::mast([x + 167.0, middle], uav_colour(view.uavs.len())))
-            .add(text(x + 180.0, middle + 4.5, 13.0, "ground station"));
+    let building = legend.sample().set("fill", town::BUILDING).set("stroke", town::BUILDING_EDGE);
+    legend.row(building, "building, darker when higher");
+    legend.cars(&agent.map_or_else(|| "the agent".to_owned(), |agent| view.name_of(agent)));
+    legend.fleet(view);
+    legend.all
+}
+
+fn has_scale(style: &Style) -> bool {
+    matches!(style.kind, Form::Heights | Form::Heat)
+}
+
+impl Legend {
+    /// The outline of a sample in the next row.
+    fn sample(&self) -> Path {
+        let (x, y) = (round(self.x), round(self.y + 3.0));
+        Path::new().set("d", format!("M{x} {y}h22v13h-22Z"))
     }
-    legend = legend
-        .add(track)
-        .add(car(x + 4.0, y + 5.0 * ROW_PX + 9.5, "#000000", "#ffffff"))
-        .add(car(x + 17.0, y + 5.0 * ROW_PX + 9.5, "#ffffff", "#000000"))
-        .add(say(5.0, &cars))
-        .add(line(6.0).set("stroke", colour).set("stroke-width", 1.8))
-        .add(start)
-        .add(say(6.0, "path of a UAV from its start"))
-        .add(
-            line(7.0).set("stroke", colour).set("stroke-dasharray", "6 4").set("stroke-width", 1.3),
-        )
-        .add(say(7.0, "its footprint now"));
-    let Some(agent) = agent else {
-        let outline = box_at(8.0).set("fill", "none").set("stroke", layers::OEM);
-        return legend.add(outline).add(say(8.0, "building as known (OEM)"));
-    };
-    legend
-        .add(heights(x, y + 8.0 * ROW_PX, view, agent))
-        .add(unseen)
-        .add(say(9.0, "white in the OEM: not seen yet"))
+
+    fn line(&self) -> Line {
+        let middle = self.middle();
+        let (from, to) = (round(self.x), round(self.x + 22.0));
+        Line::new().set("x1", from).set("x2", to).set("y1", middle).set("y2", middle)
+    }
+
+    fn middle(&self) -> f64 {
+        round(self.y + 9.5)
+    }
+
+    fn add(&mut self, node: impl Into<Box<dyn Node>>) {
+        self.all.append(node);
+    }
+
+    /// Adds a sample and its meaning, and goes on to the next row.
+    fn row(&mut self, sample: impl Into<Box<dyn Node>>, words: &str) {
+        self.add(sample);
+        self.add(text(self.x + 32.0, self.y + 14.0, 13.0, words));
+        self.y += ROW_PX;
+    }
+
+    fn layer(&mut self, style: &Style) {
+        let none = Properties::new();
+        let sample = self.sample();
+        match style.kind {
+            Form::Areas | Form::Cells => {
+                self.row(layers::painted(style, &none, sample), &style.title)
+            }
+            Form::Heights => {
+                let colour = layers::colour_of(&style.colour, &none);
+                self.row(sample.set("fill", "none").set("stroke", colour), &style.title);
+            }
+            Form::Heat => self.row(layers::value(style, 1.0, sample), &style.title),
+            Form::Points => {
+                let middle = [self.x + 11.0, self.middle()];
+                self.row(layers::point(style, &none, middle), &style.title);
+            }
+        }
+    }
+
+    /// The colours of heights or values: of cells that were not seen and that are empty, then of bands.
+    fn scale(&mut self, style: &Style, layer: Option<&Layer>) {
+        let Some(ends) = layer.and_then(|layer| layers::scale(style, &layer.content)) else {
+            self.y += ROW_PX;
+            return;
+        };
+        let (x, y) = (self.x, self.y);
+        let square =
+            |at: f64| Path::new().set("d", format!("M{:.1} {:.1}h14v13h-14Z", x + at, y + 3.0));
+        let say = |at: f64, words: &str| text(x + at + 17.0, y + 14.0, 9.0, words);
+        let unseen = square(0.0).set("fill", "#ffffff").set("stroke", town::BUILDING_EDGE);
+        let mut row = group("heights");
+        if style.kind == Form::Heights {
+            let empty = square(62.0).set("fill", layers::EMPTY);
+            row = row.add(unseen).add(say(0.0, "not seen")).add(empty).add(say(62.0, "empty"));
+        }
+        for (band, end) in ends.iter().enumerate() {
+            let at = 112.0 + 44.0 * band as f64;
+            let share = band as f64 / f64::from(layers::BANDS - 1);
+            row = row.add(layers::value(style, share, square(at))).add(say(at, end));
+        }
+        self.add(row);
+        self.y += ROW_PX;
+    }
+
+    fn cars(&mut self, agent: &str) {
+        let track = self.line().set("stroke", "#000000");
+        self.add(track.set("stroke-opacity", town::TRACK_OPACITY));
+        self.add(car(self.x + 4.0, self.middle(), "#000000", "#ffffff"));
+        let unknown = car(self.x + 17.0, self.middle(), "#ffffff", "#000000");
+        self.row(unknown, &format!("cars, known to {agent} and not; their tracks"));
+    }
+
+    fn fleet(&mut self, view: &View) {
+        let colour = uav_colour(0);
+        self.add(self.line().set("stroke", colour).set("stroke-width", 1.8));
+        let start = Circle::new().set("cx", round(self.x)).set("cy", self.middle()).set("r", 3.5);
+        let start = start.set("fill", "#ffffff").set("stroke", colour);
+        self.row(start, "path of a UAV from its start");
+        if !view.stations.is_empty() {
+            let (x, middle) = (self.x, self.middle());
+            self.add(town::mast([x + 167.0, middle], uav_colour(view.uavs.len())));
+            self.add(text(x + 180.0, middle + 4.5, 13.0, "ground station"));
+        }
+        let line = self.line().set("stroke", colour).set("stroke-dasharray", "6 4");
+        self.row(line.set("stroke-width", 1.3), "its footprint now");
+    }
 }
 
 fn car(x: f64, y: f64, fill: &str, stroke: &str) -> Rectangle {
@@ -88,27 +151,4 @@ fn car(x: f64, y: f64, fill: &str, stroke: &str) -> Rectangle {
         .set("height", 7)
         .set("fill", fill)
         .set("stroke", stroke)
-}
-
-/// The colours of the OEM: empty, then bands of height.
-fn heights(x: f64, y: f64, view: &View, agent: usize) -> Group {
-    let oem = view.agents.get(agent).map(|a| &a.oem);
-    let Some(bands) = oem.map(layers::height_bands) else { return group("heights") };
-    let square =
-        |at: f64| Path::new().set("d", format!("M{:.1} {:.1}h14v13h-14Z", x + at, y + 3.0));
-    let mut row = group("heights").add(square(0.0).set("fill", "#D7E8F3")).add(text(
-        x + 18.0,
-        y + 14.0,
-        11.0,
-        "OEM: empty",
-    ));
-    for band in 0..layers::BANDS {
-        let share = f64::from(band) / f64::from(layers::BANDS - 1);
-        let at = 88.0 + 50.0 * f64::from(band);
-        let sample =
-            square(at).set("fill", layers::OEM).set("fill-opacity", round(0.2 + 0.8 * share));
-        let words = format!("≤{:.0} m", bands.upper_m(band));
-        row = row.add(sample).add(text(x + at + 17.0, y + 14.0, 9.0, words));
-    }
-    row
 }

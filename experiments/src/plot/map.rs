@@ -4,9 +4,10 @@ use svg::Document;
 use svg::node::element::{ClipPath, Definitions, Group, Polygon, Rectangle};
 
 use super::canvas::{Panel, group, round, text};
-use super::{axes, layers, legend};
+use super::{axes, layers, legend, town};
 use crate::view::View;
-use csat_mission::picture::Knowledge;
+use csat_mission::picture::{Layer, targets};
+use csat_mission::style::{Form, Style};
 use csat_mission::words::counted;
 
 const MAIN_PX: f64 = 880.0;
@@ -15,27 +16,30 @@ const GAP_PX: f64 = 24.0;
 const MAIN_X_PX: f64 = 8.0 + axes::LEFT_PX;
 const SCALE_BAR_PX: f64 = 20.0;
 const HEADER_PX: f64 = 74.0;
+/// Room for the title of a small map.
+const TITLE_PX: f64 = 24.0;
 const FOOTER_PX: f64 = 34.0;
 
 /// The fonts of maps.
 pub(super) const FONT: &str = "Helvetica, Arial, 'DejaVu Sans', sans-serif";
 
+/// A small map beside the large one: the layers whose styles name its title.
+struct Side<'a> {
+    title: &'a str,
+    styles: Vec<&'a Style>,
+    panel: Panel,
+}
+
 /// Draws the end of a mission, as `agent` knows it.
 pub fn map_svg(view: &View, agent: usize) -> String {
-    let margin = margin_m(view);
-    let main = Panel::new(MAIN_X_PX, HEADER_PX, MAIN_PX, view.size_m, margin);
+    let main = Panel::new(MAIN_X_PX, HEADER_PX, MAIN_PX, view.size_m, margin_m(view));
     let side_x = MAIN_X_PX + MAIN_PX + GAP_PX;
-    let title_px = 24.0;
-    let hidden = Panel::new(side_x, HEADER_PX, SIDE_PX, view.size_m, margin);
-    let oem_y = hidden.y + hidden.height + GAP_PX + title_px;
-    let oem = Panel::new(side_x, oem_y, SIDE_PX, view.size_m, margin);
-    let legend_y = oem.y + oem.height + GAP_PX;
-    let legend = legend::legend(side_x, legend_y, view, Some(agent));
-    let bottom =
-        (main.y + main.height + axes::BELOW_PX + SCALE_BAR_PX).max(legend_y + legend::HEIGHT_PX);
+    let sides = sides(view, side_x);
+    let legend_y = sides.last().map_or(HEADER_PX, |s| s.panel.y + s.panel.height + GAP_PX);
+    let legend_bottom = legend_y + legend::height_px(view, Some(agent));
+    let bottom = (main.y + main.height + axes::BELOW_PX + SCALE_BAR_PX).max(legend_bottom);
     let (width, height) = (side_x + SIDE_PX + GAP_PX, bottom + FOOTER_PX);
-    let nobody = Knowledge::default();
-    let knowledge = view.agents.get(agent).unwrap_or(&nobody);
+    let panels: Vec<&Panel> = [&main].into_iter().chain(sides.iter().map(|s| &s.panel)).collect();
 
     let background = Rectangle::new()
         .set("width", round(width))
@@ -47,17 +51,36 @@ pub fn map_svg(view: &View, agent: usize) -> String {
         .set("height", round(height))
         .set("font-family", FONT)
         .add(svg::node::element::Title::new(title(view)))
-        .add(definitions(&[&main, &hidden, &oem]).add(near_region(&main, view.size_m)))
+        .add(definitions(&panels, view).add(near_region(&main, view.size_m)))
         .add(background)
-        .add(header(view, agent, &hidden, &oem))
-        .add(clipped(0, main_layers(&main, view, agent, knowledge)))
+        .add(header(view, agent))
+        .add(clipped(0, main_layers(&main, view, agent)))
         .add(axes::axes(&main, view.size_m))
-        .add(decorations(&main, view.size_m))
-        .add(clipped(1, hidden_layers(&hidden, view, knowledge)))
-        .add(clipped(2, oem_layers(&oem, view, knowledge)))
-        .add(legend)
-        .add(footer(view, height));
-    document.to_string() + "\n"
+        .add(decorations(&main, view.size_m));
+    let sides = sides.iter().enumerate();
+    let document = sides.fold(document, |document, (index, side)| {
+        let title = text(side.panel.x, side.panel.y - 10.0, 14.0, side.title);
+        document.add(title).add(clipped(index + 1, side_layers(side, view, view.of_agent(agent))))
+    });
+    let document = document.add(legend::legend(side_x, legend_y, view, Some(agent)));
+    document.add(footer(view, height)).to_string() + "\n"
+}
+
+/// The small maps, one below the other.
+fn sides(view: &View, x: f64) -> Vec<Side<'_>> {
+    let mut sides: Vec<Side<'_>> = Vec::new();
+    for style in &view.layers {
+        let Some(title) = style.panel.as_deref() else { continue };
+        if let Some(side) = sides.iter_mut().find(|side| side.title == title) {
+            side.styles.push(style);
+            continue;
+        }
+        let above = sides.last().map(|side| side.panel.y + side.panel.height);
+        let y = above.map_or(HEADER_PX, |above| above + GAP_PX + TITLE_PX);
+        let panel = Panel::new(x, y, SIDE_PX, view.size_m, margin_m(view));
+        sides.push(Side { title, styles: vec![style], panel });
+    }
+    sides
 }
 
 /// Room around the region for the fleet's start and its turns outside.
@@ -79,8 +102,8 @@ pub(super) fn title(view: &View) -> String {
     format!("{}, seed {}, t = {} s", view.scenario, view.seed, view.time_s)
 }
 
-fn header(view: &View, agent: usize, hidden: &Panel, oem: &Panel) -> Group {
-    let known = view.agents.get(agent).map_or(0, |a| a.targets.len());
+fn header(view: &View, agent: usize) -> Group {
+    let known = targets(view.of_agent(agent)).len();
     let stations = match view.stations.len() {
         0 => String::new(),
         count => format!(", {}", counted(count, "station")),
@@ -96,57 +119,70 @@ fn header(view: &View, agent: usize, hidden: &Panel, oem: &Panel) -> Group {
     group("header")
         .add(text(MAIN_X_PX, 34.0, 22.0, title(view)).set("font-weight", "bold"))
         .add(text(MAIN_X_PX, 58.0, 14.0, subtitle))
-        .add(text(hidden.x, hidden.y - 10.0, 14.0, "Unexplored ground and its hidden part"))
-        .add(text(oem.x, oem.y - 10.0, 14.0, "Occupancy-elevation map (OEM)"))
 }
 
-fn main_layers(panel: &Panel, view: &View, agent: usize, knowledge: &Knowledge) -> Group {
-    group("main")
-        .add(layers::ground(panel, view))
-        .add(layers::unexplored(panel, knowledge))
-        .add(layers::hidden(panel, knowledge))
+fn main_layers(panel: &Panel, view: &View, agent: usize) -> Group {
+    let known = view.of_agent(agent);
+    let (ground, above): (Vec<_>, Vec<_>) = view.layers.iter().partition(|style| style.is_ground);
+    let town = group("main").add(town::ground(panel, view));
+    let town = drawn(panel, ground, known, town)
         .add(axes::grid(panel, view.size_m))
-        .add(layers::buildings(panel, view))
-        .add(layers::margin(panel, knowledge))
-        .add(layers::oem_outlines(panel, &knowledge.oem))
-        .add(layers::target_sets(panel, knowledge))
-        .add(layers::cars(panel, view, agent))
-        .add(layers::uavs(panel, view))
-        .add(layers::stations(panel, view))
-        .add(layers::target_labels(panel, knowledge))
+        .add(town::buildings(panel, view));
+    let all = drawn(panel, above, known, town)
+        .add(town::cars(panel, view, agent))
+        .add(town::uavs(panel, view))
+        .add(town::stations(panel, view));
+    labelled(panel, view, known, all)
 }
 
-fn hidden_layers(panel: &Panel, view: &View, knowledge: &Knowledge) -> Group {
-    group("hidden-panel")
-        .add(layers::ground(panel, view))
-        .add(layers::unexplored(panel, knowledge))
-        .add(layers::hidden(panel, knowledge))
-        .add(layers::buildings(panel, view))
+fn side_layers(side: &Side<'_>, view: &View, known: &[Layer]) -> Group {
+    let Side { panel, styles, .. } = side;
+    if styles.iter().any(|style| matches!(style.kind, Form::Heights | Form::Heat)) {
+        return value_layers(side, view, known);
+    }
+    let (ground, above): (Vec<_>, Vec<_>) = styles.iter().partition(|style| style.is_ground);
+    let town = group("side").add(town::ground(panel, view));
+    let town = drawn(panel, ground, known, town).add(town::buildings(panel, view));
+    drawn(panel, above, known, town)
 }
 
-fn oem_layers(panel: &Panel, view: &View, knowledge: &Knowledge) -> Group {
-    let outlines =
-        view.obstacles.iter().fold(
-            group("outlines").set("fill", "none").set("stroke", "#333333"),
-            |group, building| group.add(panel.area_of(&building.rings).set("stroke-width", 0.7)),
-        );
-    group("oem-panel")
-        .add(layers::ground(panel, &View { roads: Vec::new(), ..view_frame(view) }))
-        .add(layers::oem_filled(panel, &knowledge.oem))
-        .add(outlines)
+/// Heights or values, among the outlines of buildings.
+fn value_layers(side: &Side<'_>, view: &View, known: &[Layer]) -> Group {
+    let frame = View { size_m: view.size_m, ..View::default() };
+    let ground = group("side").add(town::ground(&side.panel, &frame));
+    let filled = side.styles.iter().filter_map(|style| {
+        Some(layers::filled(&side.panel, style, &Layer::of(known, style)?.content))
+    });
+    filled.fold(ground, Group::add).add(town::outlines(&side.panel, view))
 }
 
-/// A view with nothing in it but its size.
-fn view_frame(view: &View) -> View {
-    View { size_m: view.size_m, ..View::default() }
+/// Adds the layers of some styles.
+pub(super) fn drawn<'a>(
+    panel: &Panel,
+    styles: impl IntoIterator<Item = &'a Style>,
+    known: &[Layer],
+    into: Group,
+) -> Group {
+    let styles = styles.into_iter();
+    let layers =
+        styles.filter_map(|style| Some(layers::layer(panel, style, Layer::of(known, style)?)));
+    layers.fold(into, Group::add)
+}
+
+/// Adds what is written beside areas and points.
+pub(super) fn labelled(panel: &Panel, view: &View, known: &[Layer], into: Group) -> Group {
+    let styles = view.layers.iter().filter(|style| style.label.is_some());
+    let labels =
+        styles.filter_map(|style| Some(layers::labels(panel, style, Layer::of(known, style)?)));
+    labels.fold(into, Group::add)
 }
 
 fn clipped(panel: usize, layers: Group) -> Group {
     Group::new().set("clip-path", format!("url(#panel-{panel})")).add(layers)
 }
 
-fn definitions(panels: &[&Panel]) -> Definitions {
-    panels.iter().enumerate().fold(layers::hatches(), |definitions, (index, panel)| {
+fn definitions(panels: &[&Panel], view: &View) -> Definitions {
+    panels.iter().enumerate().fold(layers::hatches(&view.layers), |definitions, (index, panel)| {
         let area = Rectangle::new()
             .set("x", round(panel.x))
             .set("y", round(panel.y))
@@ -167,7 +203,7 @@ pub(super) fn near_region(panel: &Panel, size_m: [f64; 2]) -> ClipPath {
         .set("y", round(top))
         .set("width", round(right - left))
         .set("height", round(bottom - top));
-    ClipPath::new().set("id", layers::NEAR_REGION).add(area)
+    ClipPath::new().set("id", town::NEAR_REGION).add(area)
 }
 
 /// Scale bar and north.

@@ -3,9 +3,10 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`canvas`] | from metres to pixels, and small pieces of SVG |
-//! | [`layers`] | what is drawn in maps, from the ground up, and its colours |
+//! | [`town`] | what maps show of the truth |
+//! | [`layers`] | what maps show of an agent's knowledge: layers, as their styles say |
 //!
-//! Those two are for whoever draws maps that look the same, as `examples/pictures` does.
+//! These three also draw other maps that look the same, such as those of `examples/pictures`.
 
 mod agents;
 mod axes;
@@ -17,6 +18,7 @@ mod map;
 mod metrics;
 #[cfg(test)]
 mod tests;
+pub mod town;
 
 use std::path::{Path, PathBuf};
 

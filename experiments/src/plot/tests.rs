@@ -9,13 +9,14 @@ use crate::series::{Curves, Point, Series};
 use crate::testing::scratch;
 
 use crate::set_membership::SetMembership;
+use crate::set_membership::layers::LAYERS;
 use crate::view::Building;
 use crate::view::UavTrack;
 use csat_mission::measures::{in_order, index_of};
 use csat_mission::mission::{Kind, Mission};
-use csat_mission::picture::Knowledge;
-use csat_mission::picture::Ring;
+use csat_mission::picture::{Area, Cells, Content, Heat, Layer, Mark, Properties, Ring, Shapes};
 use csat_mission::row::Row;
+use csat_mission::style::{Colour, Fill, Form, Style};
 
 /// `CSAT_SHOW=folder cargo test` leaves the pictures there, to be looked at.
 fn show(name: &str, svg: &str) {
@@ -46,7 +47,7 @@ fn town() -> (Vec<Building>, Vec<Ring>) {
     (buildings, roads)
 }
 
-fn knowledge(buildings: &[Building]) -> Knowledge {
+fn knowledge(buildings: &[Building]) -> Vec<Layer> {
     let ground = Ground { size_m: [500.0, 500.0] };
     let mut hidden = Raster::empty(Grid::covering(&ground, 2.0));
     let grid = Grid::covering(&ground, 5.0);
@@ -76,27 +77,39 @@ fn knowledge(buildings: &[Building]) -> Knowledge {
         let [a, c] = [b.rings[0][0], b.rings[0][2]];
         vec![rectangle([a[0] - 2.5, a[1] - 2.5], [c[0] - a[0] + 5.0, c[1] - a[1] + 5.0])]
     };
-    Knowledge {
-        unexplored: vec![
+    let unexplored = vec![
+        vec![
             vec![
-                vec![
-                    [-250.0, -250.0],
-                    [-150.0, -250.0],
-                    [-120.0, -100.0],
-                    [-160.0, 60.0],
-                    [-250.0, 90.0],
-                ],
-                vec![[-200.0, -60.0], [-200.0, -20.0], [-170.0, -20.0], [-170.0, -60.0]],
+                [-250.0, -250.0],
+                [-150.0, -250.0],
+                [-120.0, -100.0],
+                [-160.0, 60.0],
+                [-250.0, 90.0],
             ],
-            vec![vec![[120.0, 250.0], [180.0, 160.0], [250.0, 150.0], [250.0, 250.0]]],
+            vec![[-200.0, -60.0], [-200.0, -20.0], [-170.0, -20.0], [-170.0, -60.0]],
         ],
-        targets: [(0, -43.0, 120.0), (2, 52.0, -40.0), (3, 147.0, 40.0), (5, 40.0, 147.0)]
-            .map(|(j, x, y)| (j, vec![vec![rectangle([x - 9.0, y - 14.0], [18.0, 28.0])]]))
-            .to_vec(),
-        obstacle_margin: buildings.iter().skip(6).map(margin).collect(),
-        hidden: csat_mission::picture::cells(&hidden),
-        oem: csat_mission::picture::oem(&grid, &oem),
-    }
+        vec![vec![[120.0, 250.0], [180.0, 160.0], [250.0, 150.0], [250.0, 250.0]]],
+    ];
+    let target = |(j, x, y): (u16, f64, f64)| {
+        let shapes = vec![vec![rectangle([x - 9.0, y - 14.0], [18.0, 28.0])]];
+        area(shapes, ("target", j.into()))
+    };
+    let targets = [(0, -43.0, 120.0), (2, 52.0, -40.0), (3, 147.0, 40.0), (5, 40.0, 147.0)];
+    let margin = buildings.iter().skip(6).map(margin).collect();
+    vec![
+        Layer::new(
+            "unexplored",
+            Content::Areas(vec![area(unexplored, ("share_pct", 17.3.into()))]),
+        ),
+        Layer::new("targets", Content::Areas(targets.map(target).to_vec())),
+        Layer::new("obstacles", Content::Areas(vec![area(margin, ("kind", "obstacles".into()))])),
+        Layer::new("hidden", Content::Cells(csat_mission::picture::cells(&hidden))),
+        Layer::new("oem", Content::Heights(csat_mission::picture::oem(&grid, &oem))),
+    ]
+}
+
+fn area(shapes: Shapes, (key, value): (&str, serde_json::Value)) -> Area {
+    Area { shapes, properties: Properties::from_iter([(key.to_owned(), value)]) }
 }
 
 fn sample_view() -> View {
@@ -142,6 +155,7 @@ fn sample_view() -> View {
             car(240.0, 200.0),
             car(40.0, 147.0),
         ],
+        layers: LAYERS.to_vec(),
         agents,
         obstacles,
         roads,
@@ -202,10 +216,10 @@ fn the_map_shows_every_layer() {
         "buildings",
         "unexplored",
         "hidden",
-        "margin",
+        "obstacles",
         "oem",
         "targets",
-        "target-labels",
+        "targets-labels",
         "cars",
         "uavs",
         "footprint",
@@ -235,10 +249,17 @@ fn the_map_shows_every_layer() {
 fn view_of_two() -> View {
     let mut view = sample_view();
     let mut second = view.agents[0].clone();
-    second.targets.truncate(1);
-    second.unexplored =
-        vec![vec![vec![[-250.0, -250.0], [250.0, -250.0], [250.0, 0.0], [-250.0, 0.0]]]];
-    second.oem.occupied.iter_mut().for_each(|cell| cell.2 = 77);
+    let half = vec![vec![vec![[-250.0, -250.0], [250.0, -250.0], [250.0, 0.0], [-250.0, 0.0]]]];
+    for layer in &mut second {
+        match (&*layer.key, &mut layer.content) {
+            ("targets", Content::Areas(areas)) => areas.truncate(1),
+            ("unexplored", Content::Areas(areas)) => {
+                *areas = vec![area(half.clone(), ("share_pct", 50.0.into()))];
+            }
+            (_, Content::Heights(oem)) => oem.occupied.iter_mut().for_each(|cell| cell.2 = 77),
+            _ => {}
+        }
+    }
     view.agents.push(second);
     view
 }
@@ -410,4 +431,68 @@ fn real_towns_are_drawn_with_their_attribution() {
     show("helsinki-17.svg", &svg);
     assert!(svg.contains("OpenStreetMap contributors"));
     assert!(view.obstacles.len() > 20 && svg.contains("helsinki-17, seed 1"));
+}
+
+/// A layer of each kind, none of them of the set-membership mission.
+fn other_layers() -> (Vec<Style>, Vec<Layer>) {
+    let style = |key: &'static str, kind, fill| Style {
+        key: key.into(),
+        title: format!("title of {key}").into(),
+        kind,
+        colour: Colour::By("target".into()),
+        fill,
+        line: None,
+        label: Some("target".into()),
+        mark: None,
+        unit: Some("per ha".into()),
+        panel: (kind == Form::Heat).then(|| "What it believes".into()),
+        is_ground: kind == Form::Heat,
+        is_in_scene: true,
+    };
+    let hatch = Fill::Hatch { spacing_px: 4.0, width_px: 1.0, is_falling: false };
+    let styles = vec![
+        style("belief", Form::Heat, Fill::None),
+        style("blocked", Form::Areas, hatch),
+        style("swept", Form::Cells, Fill::Plain { opacity: 0.3 }),
+        style("seen", Form::Points, Fill::None),
+    ];
+    let values = (0..100).map(|cell| f64::from(cell) / 100.0).collect();
+    let origin_m = [-250.0; 2];
+    let heat = Heat { cell_m: 50.0, origin_m, columns: 10, maximum: 1.0, values };
+    let cells = Cells { cell_m: 50.0, origin_m, runs: vec![[0, 2, 5]] };
+    let square = vec![vec![rectangle([100.0, 100.0], [60.0, 40.0])]];
+    let mark = Mark { point: [10.0, -20.0], properties: named(1) };
+    let layers = vec![
+        Layer::new("seen", Content::Points(vec![mark])),
+        Layer::new("belief", Content::Heat(heat)),
+        Layer::new("swept", Content::Cells(cells)),
+        Layer::new("blocked", Content::Areas(vec![Area { shapes: square, properties: named(3) }])),
+    ];
+    (styles, layers)
+}
+
+fn named(target: u16) -> Properties {
+    Properties::from_iter([("target".to_owned(), target.into())])
+}
+
+#[test]
+fn the_layers_of_any_mission_are_drawn() {
+    let (layers, known) = other_layers();
+    let view = View { layers, agents: vec![known], ..sample_view() };
+    let svg = map_svg(&view, 0);
+    show("map-other.svg", &svg);
+    for key in ["belief", "blocked", "swept", "seen", "belief-filled", "seen-labels"] {
+        assert!(svg.contains(&format!("class=\"{key}\"")), "{key}");
+    }
+    // In the order of the styles, whatever the order of the layers.
+    let places = ["belief", "buildings", "blocked", "swept", "seen"];
+    let places = places.map(|key| svg.find(&format!("class=\"{key}\"")).unwrap());
+    assert!(places.is_sorted(), "{places:?}");
+    assert!(svg.contains("What it believes") && svg.contains("title of swept"));
+    assert!(svg.contains("≤0.20 per ha") && svg.contains("2 of 6 cars identified"));
+    assert!(svg.contains("url(#hatch-blocked-3)") && svg.contains("id=\"hatch-blocked-3\""));
+    for gone in ["unexplored", "OEM", "NaN"] {
+        assert!(!svg.contains(gone), "{gone}");
+    }
+    assert!(agents_svg(&view).contains("class=\"blocked\""));
 }

@@ -14,6 +14,7 @@ use crate::scenario::Loaded;
 use crate::show::truth;
 use csat_mission::documents::Document;
 use csat_mission::mission::{Detail, Mission};
+use csat_mission::style::Style;
 use csat_mission::timing::Stopwatch;
 use csat_peer::agent::mirror::{LEAST_PERIOD, Watched, reply};
 
@@ -31,14 +32,21 @@ pub struct Showcase {
 }
 
 impl Showcase {
-    /// Shows the town and answers whoever asks for a document.
+    /// Shows the town and the layers of a mission, and answers queries for documents.
     ///
     /// # Errors
     /// What Zenoh says.
-    pub fn declare(session: &Session, keys: Keys, loaded: &Loaded) -> zenoh::Result<Self> {
+    pub fn declare(
+        session: &Session,
+        keys: Keys,
+        loaded: &Loaded,
+        layers: &[Style],
+    ) -> zenoh::Result<Self> {
         let town = truth::town(&loaded.name, &loaded.scenario, &loaded.world);
+        let layers = truth::layers(layers);
         let newest: Newest = Arc::default();
         keep(&newest, &town);
+        keep(&newest, &layers);
         let known = newest.clone();
         let answer = move |query: Query| {
             let known = known.lock().unwrap_or_else(PoisonError::into_inner);
@@ -48,8 +56,8 @@ impl Showcase {
         // What does not change is said once; a listener that comes later asks for it.
         let columns = truth::columns(loaded.kind());
         keep(&newest, &columns);
-        for (name, document) in [("town", &town), ("columns", &columns)] {
-            Watched::declare(session, keys.truth(name))?.put(document);
+        for document in [&town, &layers, &columns] {
+            Watched::declare(session, keys.of(&document.topic))?.put(document);
         }
         let watched = |name| Watched::declare(session, keys.truth(name));
         Ok(Self {

@@ -116,7 +116,7 @@ pub fn fly<M: Offered>(
     if *restarts {
         fleet = fleet.with_restarts(options.interrupted.clone());
     }
-    let mut showcase = Showcase::declare(session, keys, &loaded).map_err(zenoh_error)?;
+    let mut showcase = Showcase::declare(session, keys, &loaded, M::LAYERS).map_err(zenoh_error)?;
     let mut audience: Vec<&mut dyn Audience<M>> = vec![&mut showcase, audience];
     let is_over = || options.interrupted.load(std::sync::atomic::Ordering::SeqCst);
     let flown = fleet.gather(pace.patience, is_over).map_err(WorldError::from).and_then(|()| {

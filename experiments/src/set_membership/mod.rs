@@ -1,8 +1,8 @@
 //! The set-membership mission: search and track with guaranteed sets.
 
 mod columns;
-mod documents;
 pub mod judge;
+pub mod layers;
 pub mod measures;
 pub mod report;
 
@@ -13,15 +13,13 @@ use csat_agent::commons::Commons;
 use csat_agent::config::AgentConfig;
 use csat_proto::camera::CameraModel;
 use csat_proto::ids::{AgentId, Incarnation, RunId};
-use csat_proto::time::Step;
 
 use crate::missions::Offered;
-use crate::rounding;
 use crate::scenario::Scenario;
 use crate::scenario::validate::{self, Issue};
-use csat_mission::documents::{AgentStep, Document};
-use csat_mission::mission::{Detail, Kind, Mission, Tally};
-use csat_mission::picture;
+use csat_mission::mission::{Detail, Kind, Mission};
+use csat_mission::picture::Layer;
+use csat_mission::style::Style;
 use judge::Containment;
 use measures::SetMeasures;
 use report::Report;
@@ -93,6 +91,8 @@ impl Mission for SetMembership {
         promises: judge::PROMISES,
     };
 
+    const LAYERS: &'static [Style] = layers::LAYERS;
+
     fn agent(&self, id: AgentId, incarnation: Incarnation) -> SetMembershipAgent {
         let config = AgentConfig { id, incarnation, ..self.config.clone() };
         SetMembershipAgent::sharing(&config, self.commons.clone().unwrap_or_default())
@@ -104,10 +104,6 @@ impl Mission for SetMembership {
 
     fn report(&self, agent: &mut SetMembershipAgent, detail: Detail) -> Report {
         Report::of(agent, detail)
-    }
-
-    fn step(&self, report: &Report) -> Step {
-        report.step
     }
 
     fn judge(&self) -> Containment {
@@ -122,28 +118,12 @@ impl Mission for SetMembership {
         measures::footprint(&self.config.camera, report)
     }
 
-    fn view(&self, report: &Report) -> picture::Knowledge {
-        let maps = report.maps.as_ref();
-        let ground = &self.config.ground;
-        let targets = report.targets.iter();
-        picture::Knowledge {
-            unexplored: rounding::outer(&report.unexplored, ground),
-            targets: targets.map(|(j, set)| (j.0, rounding::outer(set, ground))).collect(),
-            obstacle_margin: rounding::inner(&report.obstacle_margin),
-            hidden: maps.map(|maps| picture::cells(&maps.hidden)).unwrap_or_default(),
-            oem: maps
-                .map(|maps| picture::oem(&maps.oem_grid, &maps.oem_cells()))
-                .unwrap_or_default(),
-        }
+    fn picture(&self, report: &Report) -> Vec<Layer> {
+        layers::picture(&self.config.ground, report)
     }
 
-    fn documents(&self, step: &AgentStep<'_, Report>, known: &picture::Knowledge) -> Vec<Document> {
-        let camera = self.camera(step.agent);
-        documents::documents(camera.as_ref(), &self.config.ground, step, known)
-    }
-
-    fn tally<'a>(&self, report: &'a Report) -> &'a Tally {
-        &report.tally
+    fn stats(&self, report: &Report) -> Vec<(&'static str, Option<f64>)> {
+        measures::stats(&self.config.ground, report)
     }
 
     fn is_inconsistency(&self, event: &Event) -> bool {

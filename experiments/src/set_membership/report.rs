@@ -10,9 +10,8 @@ use csat_proto::region::Region;
 use csat_proto::time::Step;
 use serde::{Deserialize, Serialize};
 
-use super::measures::oem_iou_pct;
-use super::measures::percent_of;
-use csat_mission::mission::{Detail, Tally};
+use super::measures::{oem_iou_pct, percent_of};
+use csat_mission::mission::{self, Detail, Tally};
 
 /// What an agent knows at the end of a step. Sets are on the grid of `proto::region`, bit by bit
 /// the agent's own.
@@ -103,6 +102,24 @@ impl Report {
         let sets = self.targets.iter().map(|(_, set)| set);
         let sets = sets.chain([&self.unexplored, &self.obstacle_margin]);
         sets.map(|set| set.vertex_count() as u32).sum()
+    }
+}
+
+impl mission::Report for Report {
+    fn step(&self) -> Step {
+        self.step
+    }
+
+    fn pose(&self) -> &Pose {
+        &self.pose
+    }
+
+    fn planned(&self) -> &[Pose] {
+        &self.planned
+    }
+
+    fn tally(&self) -> &Tally {
+        &self.tally
     }
 }
 

@@ -5,14 +5,15 @@
 use csat_world::map::project::TangentPlane;
 use csat_world::world::World;
 use foxglove::messages::{GeoJson, LocationFix};
-use geojson::Feature;
-use serde_json::{Value, json};
+use geojson::{Feature, GeometryValue};
+use serde_json::json;
 
+use super::drawn::Drawn;
 use super::recording::Seen;
 use super::scene::{FRAME, timestamp};
 use crate::plot::uav_colour;
 use crate::rounding::polygons;
-use csat_mission::picture::Ring;
+use csat_mission::picture::{Content, Ring};
 use csat_mission::shape;
 use csat_mission::words::named;
 
@@ -24,11 +25,10 @@ const PER_DEGREE: f64 = 1e6;
 pub fn town(world: &World) -> GeoJson {
     let plane = world.map().plane();
     let buildings = world.obstacles().iter().map(|obstacle| {
-        let rings: Vec<Ring> = obstacle.rings().map(|ring| placed(&plane, &ring)).collect();
-        let outlines = polygons(&[rings], PER_DEGREE);
+        let outlines = set(&plane, &[obstacle.rings().collect()]);
         let name = format!("{}, {:.0} m", obstacle.name, obstacle.height_m);
         let style = json!({ "color": "#555555", "weight": 1, "fillOpacity": 0.5 });
-        shape::feature(shape::multi_polygon(&outlines), json!({ "name": name, "style": style }))
+        shape::feature(outlines, json!({ "name": name, "style": style }))
     });
     let roads = world.roads().edges().iter().map(|edge| {
         let line = shape::line_string(&placed(&plane, &edge.line));
@@ -44,15 +44,14 @@ pub fn step(world: &World, seen: &[Seen]) -> GeoJson {
     for seen in seen {
         let colour = uav_colour(usize::from(seen.agent.0));
         if !seen.is_repeated {
-            features.extend(sets(&plane, seen, world.config().fleet.count, colour));
+            features.extend(layers(&plane, seen, world.config().fleet.count, colour));
         }
         if seen.footprint.is_empty() {
             continue;
         }
-        let footprint = polygons(&[vec![placed(&plane, &seen.footprint)]], PER_DEGREE);
+        let footprint = set(&plane, &[vec![seen.footprint.clone()]]);
         let style = json!({ "color": colour, "weight": 2, "fillOpacity": 0.05 });
         let name = format!("footprint of UAV {}", seen.agent);
-        let footprint = shape::multi_polygon(&footprint);
         features.push(shape::feature(footprint, json!({ "name": name, "style": style })));
     }
     for (index, target) in world.targets().iter().enumerate() {
@@ -78,23 +77,43 @@ pub fn fix(time_ns: u64, world: &World, index: usize) -> Option<LocationFix> {
     })
 }
 
-/// Where an agent knows the targets to be, those it identified and the others.
-fn sets(plane: &TangentPlane, seen: &Seen, uavs: u16, colour: &str) -> Vec<Feature> {
-    let set = |shapes: &[Vec<Ring>], properties: Value| {
-        let shapes: Vec<Vec<Ring>> =
-            shapes.iter().map(|s| s.iter().map(|ring| placed(plane, ring)).collect()).collect();
-        shape::feature(shape::multi_polygon(&polygons(&shapes, PER_DEGREE)), properties)
+/// What an agent knows, in its colour; faint where buildings cover it.
+fn layers(plane: &TangentPlane, seen: &Seen, uavs: u16, colour: &str) -> Vec<Feature> {
+    let agent = named([seen.agent.0], uavs);
+    seen.layers.iter().flat_map(|drawn| layer(plane, drawn, &agent, colour)).collect()
+}
+
+fn layer(plane: &TangentPlane, drawn: &Drawn, agent: &str, colour: &str) -> Vec<Feature> {
+    let (weight, opacity) = if drawn.style.is_ground { (1, 0.1) } else { (2, 0.4) };
+    let named = |name: &str, opacity: f64| {
+        let style = json!({ "color": colour, "weight": weight, "fillOpacity": opacity });
+        json!({ "name": format!("{name} of {agent}"), "style": style })
     };
-    let (known, agent) = (&seen.known, named([seen.agent.0], uavs));
-    let faint = json!({ "color": colour, "weight": 1, "fillOpacity": 0.1 });
-    let strong = json!({ "color": colour, "weight": 2, "fillOpacity": 0.4 });
-    let name = format!("unexplored by {agent}");
-    let mut features = vec![set(&known.unexplored, json!({ "name": name, "style": faint }))];
-    features.extend(known.targets.iter().map(|(target, shapes)| {
-        let name = format!("target {target} of {agent}");
-        set(shapes, json!({ "name": name, "style": strong }))
-    }));
-    features
+    let names = drawn.names();
+    match &drawn.content {
+        Content::Areas(areas) => {
+            let sets = areas.iter().map(|area| set(plane, &area.shapes));
+            sets.zip(names).map(|(s, name)| shape::feature(s, named(&name, opacity))).collect()
+        }
+        Content::Points(marks) => {
+            let places = marks.iter().map(|mark| shape::point(place(plane, mark.point)));
+            places.zip(names).map(|(p, name)| shape::feature(p, named(&name, opacity))).collect()
+        }
+        Content::Cells(_) | Content::Heights(_) | Content::Heat(_) => {
+            let bands = drawn.bands().into_iter().map(|(share, cells)| {
+                let shapes: Vec<Vec<Ring>> = cells.rings().map(|ring| vec![ring]).collect();
+                shape::feature(set(plane, &shapes), named(&drawn.style.key, opacity * share))
+            });
+            bands.collect()
+        }
+    }
+}
+
+/// Shapes at their place on Earth.
+fn set(plane: &TangentPlane, shapes: &[Vec<Ring>]) -> GeometryValue {
+    let placed = |shape: &Vec<Ring>| shape.iter().map(|ring| placed(plane, ring)).collect();
+    let shapes: Vec<Vec<Ring>> = shapes.iter().map(placed).collect();
+    shape::multi_polygon(&polygons(&shapes, PER_DEGREE))
 }
 
 fn placed(plane: &TangentPlane, line: &[[f64; 2]]) -> Ring {

@@ -1,4 +1,4 @@
-//! Buildings as triangles.
+//! Buildings and polygons as triangles.
 
 use csat_mission::picture::Ring;
 
@@ -14,8 +14,13 @@ pub fn building(rings: &[Ring], height_m: f64) -> Vec<Corner> {
         let [high_a, high_b] = [a, b].map(|p| [p[0], p[1], height_m]);
         corners.extend([low_a, low_b, high_b, low_a, high_b, high_a]);
     }
-    corners.extend(roof(rings).into_iter().map(|p| [p[0], p[1], height_m]));
+    corners.extend(flat(rings, height_m));
     corners
+}
+
+/// A polygon at a height: three corners for each triangle.
+pub fn flat(rings: &[Ring], height_m: f64) -> impl Iterator<Item = Corner> + use<> {
+    roof(rings).into_iter().map(move |[x, y]| [x, y, height_m])
 }
 
 /// A polygon as triangles, by strips between the latitudes of its corners: within one of them,

@@ -5,12 +5,13 @@
 //! |---|---|
 //! | [`truth`] | what the world shows: the town, the cars, the metrics, lives |
 //! | [`schema`] | what the fields of documents are, for viewers |
-//! | [`map`], [`scene`], [`mesh`] | the same for Foxglove and Lichtblick |
+//! | [`map`], [`scene`], [`mesh`], [`drawn`] | the same for Foxglove and Lichtblick |
 //! | [`tape`] | `recording.mcap`, channel by channel |
 //! | [`recording`] | writes it while the mission flies |
 //! | [`read`] | reads it again, as far as it is whole |
 //! | [`replay`] | plays it at its own pace or another |
 
+pub mod drawn;
 pub mod map;
 pub mod mesh;
 pub mod read;

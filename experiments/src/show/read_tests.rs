@@ -16,8 +16,8 @@ fn a_recording_reads_back_in_order() {
     assert!(film.documents.is_sorted_by_key(|recorded| recorded.time_ns));
     let topics: std::collections::BTreeSet<&str> =
         film.documents.iter().map(|r| r.document.topic.as_str()).collect();
-    // Two agents' nine, the town, the columns, the cars and the metrics; nothing that is for viewers only.
-    assert_eq!(topics.len(), 2 * 9 + 4, "{topics:?}");
+    // Two agents' nine, the town, the layers, the columns, the cars and the metrics; nothing for viewers only.
+    assert_eq!(topics.len(), 2 * 9 + 5, "{topics:?}");
     for Recorded { document, .. } in &film.documents {
         serde_json::from_str::<serde_json::Value>(&document.body).unwrap();
     }

@@ -8,6 +8,7 @@ use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::Step;
 use rayon::prelude::*;
 
+use super::drawn::Drawn;
 use super::tape::Tape;
 use super::{FILE, map, scene, truth};
 use crate::flight::{Audience, Moment};
@@ -17,19 +18,13 @@ use csat_mission::documents::{AgentStep, Document, agent_documents};
 use csat_mission::engine::LifeEvent;
 use csat_mission::fleet::Flown;
 use csat_mission::mission::{Detail, Mission};
-use csat_mission::picture::Knowledge;
 use csat_mission::picture::Ring;
-use csat_mission::shape;
 
 /// The name of the metadata record that says what was recorded.
 pub const METADATA: &str = "csat";
 
 /// After how many recorded steps what was recorded is safe from a crash.
 const STEPS_PER_CHUNK: u32 = 10;
-
-/// How far outlines for viewers may be off, metres: they have a third of the corners then, and look
-/// the same. Documents have them all.
-const PICTURE_M: f64 = 0.25;
 
 /// What people see of an agent at one step.
 #[derive(Debug)]
@@ -38,8 +33,8 @@ pub struct Seen {
     pub agent: AgentId,
     /// F ∩ {z = 0}, `world`, metres.
     pub footprint: Ring,
-    /// What it knows; sets to a quarter of a metre.
-    pub known: Knowledge,
+    /// What it knows, as far as viewers draw it.
+    pub layers: Vec<Drawn>,
     /// Whether an agent before it knows the very same, as with perfect links.
     pub is_repeated: bool,
 }
@@ -83,6 +78,7 @@ impl<M: Mission> Recording<M> {
         tape.attach("scenario.resolved.toml", "application/toml", &loaded.kept().to_toml())?;
         tape.document(truth::TOWN, 0, &truth::town(name, scenario, world))?;
         tape.document(truth::COLUMNS, 0, &truth::columns(&M::KIND))?;
+        tape.document(truth::LAYERS, 0, &truth::layers(M::LAYERS))?;
         tape.message("/map/town", 0, &map::town(world))?;
         tape.message("/scene/town", 0, &scene::town(world))?;
         tape.flush()?;
@@ -116,10 +112,11 @@ impl<M: Mission> Recording<M> {
             let incarnation = lives[usize::from(flown.agent.0)];
             let step = AgentStep::of(flown, incarnation, trace.step, moment.time_s)?;
             let step = AgentStep { passages: &trace.passages, ..step };
-            let known = mission.view(step.report);
-            let documents = agent_documents(mission, &step, &known);
+            let layers = mission.picture(step.report);
+            let documents = agent_documents(mission, &step, &layers);
             let footprint = truth::rounded(&mission.footprint(step.report));
-            Some((documents, Seen { agent: step.agent, footprint, known, is_repeated: false }))
+            let layers = Drawn::of(M::LAYERS, &layers);
+            Some((documents, Seen { agent: step.agent, footprint, layers, is_repeated: false }))
         };
         let (documents, mut seen): (Vec<Vec<Document>>, Vec<Seen>) =
             trace.flown.par_iter().filter_map(look).unzip();
@@ -128,17 +125,10 @@ impl<M: Mission> Recording<M> {
         documents.sort_by(|a, b| name_of(a).cmp(name_of(b)));
         for index in 1..seen.len() {
             let (before, rest) = seen.split_at_mut(index);
-            let is_same = |other: &Seen| {
-                other.known.targets == rest[0].known.targets
-                    && other.known.unexplored == rest[0].known.unexplored
-            };
-            rest[0].is_repeated = before.iter().any(is_same);
+            rest[0].is_repeated = before.iter().any(|other| other.layers == rest[0].layers);
         }
         for seen in seen.iter_mut().filter(|seen| !seen.is_repeated) {
-            let targets = seen.known.targets.iter_mut().map(|(_, shapes)| shapes);
-            for ring in targets.chain([&mut seen.known.unexplored]).flatten().flatten() {
-                *ring = shape::thinned(ring, PICTURE_M);
-            }
+            seen.layers.iter_mut().for_each(Drawn::thin);
         }
         (documents, seen)
     }

@@ -14,10 +14,11 @@ use foxglove::messages::{
     Timestamp, TriangleListPrimitive, Vector3,
 };
 
+use super::drawn::Drawn;
 use super::mesh;
 use super::recording::Seen;
 use crate::plot::uav_colour;
-use csat_mission::picture::Ring;
+use csat_mission::picture::{Cells, Content, Mark, Oem, Ring};
 
 /// The frame that everything is in.
 pub const FRAME: &str = "world";
@@ -36,15 +37,8 @@ pub fn town(world: &World) -> SceneUpdate {
     let grey = Color { r: 0.62, g: 0.6, b: 0.56, a: 1.0 };
     let building = |(index, obstacle): (usize, &csat_world::obstacle::Obstacle)| {
         let rings: Vec<Ring> = obstacle.rings().collect();
-        let corners = mesh::building(&rings, obstacle.height_m);
-        let points = corners.into_iter().map(|p| p.map(coarse)).map(|[x, y, z]| Point3 { x, y, z });
         SceneEntity {
-            triangles: vec![TriangleListPrimitive {
-                pose: Some(at([0.0; 3], 0.0)),
-                points: points.collect(),
-                color: Some(grey),
-                ..TriangleListPrimitive::default()
-            }],
+            triangles: vec![triangles_of(mesh::building(&rings, obstacle.height_m), grey)],
             ..entity(0, format!("building {index}"))
         }
     };
@@ -72,7 +66,9 @@ pub fn step(time_ns: u64, world: &World, seen: &[Seen]) -> SceneUpdate {
         let is_uav = seen.agent.0 < uavs;
         Some(if is_uav { uav(time_ns, seen, pose) } else { station(time_ns, seen, pose) })
     }));
-    entities.extend(seen.iter().filter(|s| !s.is_repeated).map(|s| knowledge(time_ns, s)));
+    let known = seen.iter().filter(|seen| !seen.is_repeated);
+    entities
+        .extend(known.flat_map(|seen| seen.layers.iter().map(|drawn| layer(time_ns, drawn, seen))));
     SceneUpdate { deletions: vec![everything], entities }
 }
 
@@ -131,13 +127,8 @@ fn uav(time_ns: u64, seen: &Seen, pose: &Pose) -> SceneEntity {
 fn station(time_ns: u64, seen: &Seen, pose: &Pose) -> SceneEntity {
     let (colour, [x, y, z]) = (colour(seen, 1.0), pose.p_world);
     let height_m = z.max(1.0);
-    let mast = CubePrimitive {
-        pose: Some(at([x, y, height_m / 2.0], 0.0)),
-        size: Some(Vector3 { x: 2.0, y: 2.0, z: height_m }),
-        color: Some(colour),
-    };
     SceneEntity {
-        cubes: vec![mast],
+        cubes: vec![cube([x, y], [2.0, 2.0, height_m], colour)],
         texts: vec![name([x, y, height_m + 5.0], format!("station {}", seen.agent), colour)],
         ..entity(time_ns, format!("station {}", seen.agent))
     }
@@ -154,16 +145,65 @@ fn name([x, y, z]: [f64; 3], text: String, colour: Color) -> TextPrimitive {
     }
 }
 
-/// The outlines of what an agent knows: where each target is, and where the others may be.
-fn knowledge(time_ns: u64, seen: &Seen) -> SceneEntity {
-    let (strong, faint) = (colour(seen, 1.0), colour(seen, 0.5));
-    let targets = seen.known.targets.iter().flat_map(|(_, shapes)| shapes).flatten();
-    let targets = targets.map(|ring| line(ring, LineType::LineLoop, 3.0, strong));
-    let unexplored = seen.known.unexplored.iter().flatten();
-    let unexplored = unexplored.map(|ring| line(ring, LineType::LineLoop, 1.0, faint));
-    SceneEntity {
-        lines: targets.chain(unexplored).collect(),
-        ..entity(time_ns, format!("knowledge of {}", seen.agent))
+/// A layer of what an agent knows; faint where buildings cover it.
+fn layer(time_ns: u64, drawn: &Drawn, seen: &Seen) -> SceneEntity {
+    let (thickness_px, opacity) = if drawn.style.is_ground { (1.0, 0.5) } else { (3.0, 1.0) };
+    let outline_colour = colour(seen, opacity);
+    let mut entity = entity(time_ns, format!("{} of {}", drawn.style.key, seen.agent));
+    match &drawn.content {
+        Content::Areas(areas) => {
+            let rings = areas.iter().flat_map(|area| &area.shapes).flatten();
+            let outline =
+                |ring: &Ring| line(ring, LineType::LineLoop, thickness_px, outline_colour);
+            entity.lines = rings.map(outline).collect();
+        }
+        Content::Points(marks) => {
+            let cube = |mark: &Mark| cube(mark.point, [3.0; 3], outline_colour);
+            entity.cubes = marks.iter().map(cube).collect();
+        }
+        Content::Heights(oem) => {
+            entity.cubes = boxes(oem).map(|(at, size)| cube(at, size, outline_colour)).collect();
+        }
+        Content::Cells(_) | Content::Heat(_) => {
+            let bands = drawn.bands();
+            let flat = |(share, cells): &(f64, Cells)| {
+                let triangles = cells.rings().flat_map(|ring| mesh::flat(&[ring], LINE_M));
+                triangles_of(triangles, colour(seen, 0.6 * opacity * share))
+            };
+            entity.triangles = bands.iter().map(flat).collect();
+        }
+    }
+    entity
+}
+
+/// The occupied cells of a map: their centres and sizes, metres.
+fn boxes(oem: &Oem) -> impl Iterator<Item = ([f64; 2], [f64; 3])> {
+    oem.occupied.iter().map(|&(column, row, height_dm)| {
+        let centre = |cell: u32, origin: f64| origin + (f64::from(cell) + 0.5) * oem.cell_m;
+        let at = [centre(column, oem.origin_m[0]), centre(row, oem.origin_m[1])];
+        (at, [oem.cell_m, oem.cell_m, f64::from(height_dm) / 10.0])
+    })
+}
+
+/// A box on the ground.
+fn cube([east, north]: [f64; 2], [x, y, z]: [f64; 3], color: Color) -> CubePrimitive {
+    CubePrimitive {
+        pose: Some(at([east, north, z / 2.0], 0.0)),
+        size: Some(Vector3 { x, y, z }),
+        color: Some(color),
+    }
+}
+
+fn triangles_of(
+    corners: impl IntoIterator<Item = mesh::Corner>,
+    color: Color,
+) -> TriangleListPrimitive {
+    let points = corners.into_iter().map(|p| p.map(coarse)).map(|[x, y, z]| Point3 { x, y, z });
+    TriangleListPrimitive {
+        pose: Some(at([0.0; 3], 0.0)),
+        points: points.collect(),
+        color: Some(color),
+        ..TriangleListPrimitive::default()
     }
 }
 

@@ -4,12 +4,13 @@
 //! Foxglove family refuse a schema with anything but booleans, strings, numbers, objects and arrays of
 //! those: arrays of arrays are left out, and what is not defined is absent from a document, not null.
 
+use csat_mission::documents::Encoding;
 use csat_mission::measures::{Column, Of};
 use csat_mission::mission::Kind;
 use serde_json::{Value, json};
 
-/// The schema of the documents of a topic: its name and its text.
-pub fn of_topic(kind: &Kind, topic: &str) -> (String, String) {
+/// The schema of the documents of a topic, all of one encoding: its name and its text.
+pub fn of_topic(kind: &Kind, topic: &str, encoding: Encoding) -> (String, String) {
     let name = topic.rsplit('/').next().unwrap_or(topic);
     let is_view = topic.starts_with("view/");
     let mut title = name.to_owned();
@@ -19,11 +20,11 @@ pub fn of_topic(kind: &Kind, topic: &str) -> (String, String) {
     let title = format!("csat.{}{title}", if is_view { "View" } else { "Truth" });
     let head = match name {
         _ if is_view => "agent:n incarnation:n step:n time_s:n",
-        // It does not move.
-        "town" | "columns" => "",
+        // They do not change.
+        "town" | "layers" | "columns" => "",
         _ => "step:n time_s:n",
     };
-    let own = if is_view { of_view(name) } else { of_truth(name) };
+    let own = if is_view { of_view(name, encoding) } else { of_truth(name) };
     let numbers = match name {
         "stats" => numbers(kind.columns.iter().filter(|column| column.of == Of::Agent)),
         "metrics" => numbers(kind.columns.iter()),
@@ -34,7 +35,8 @@ pub fn of_topic(kind: &Kind, topic: &str) -> (String, String) {
         "plan" => Some(("poses", "p_world:[n] yaw_rad:n")),
         "links" => Some(("heard", "src:n channel:n outcome:s count:n delay_s:n?")),
         "town" => Some(("stations", "x_m:n y_m:n z_m:n")),
-        "columns" => Some(("columns", "key:s name:s unit:s of:s meaning:s")),
+        "columns" if !is_view => Some(("columns", "key:s name:s unit:s of:s meaning:s")),
+        "layers" if !is_view => Some(("layers", "key:s title:s kind:s ground:b scene:b")),
         "targets" if !is_view => Some(("targets", "target:n location:[n]")),
         _ => None,
     };
@@ -53,13 +55,14 @@ fn numbers<'a>(columns: impl Iterator<Item = &'a Column>) -> String {
     columns.map(|column| format!("{}:n? ", column.key)).collect()
 }
 
-fn of_view(name: &str) -> &'static str {
+fn of_view(name: &str, encoding: Encoding) -> &'static str {
     match name {
         "pose" => "p_world:[n] yaw_rad:n",
-        "targets" | "unexplored" | "obstacles" => "type:s",
-        "hidden" | "oem" => "cell_m:n origin_m:[n]",
         "stats" => "bytes_sent:n withheld:n",
-        _ => "",
+        "plan" | "links" => "",
+        // A layer.
+        _ if encoding == Encoding::GeoJson => "type:s",
+        _ => "cell_m:n origin_m:[n] columns:n? maximum:n?",
     }
 }
 
@@ -104,14 +107,17 @@ mod tests {
     #[test]
     fn schemas_name_what_can_be_plotted() {
         let kind = SetMembership::KIND;
-        let (name, text) = of_topic(&kind, "view/3/stats");
+        let (name, text) = of_topic(&kind, "view/3/stats", Encoding::Json);
         assert_eq!(name, "csat.ViewStats");
         let schema: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(schema["properties"]["unexplored_pct"]["type"], "number");
         let required = schema["required"].as_array().unwrap();
         assert!(required.contains(&"bytes_sent".into()));
         assert!(!required.contains(&"oem_iou_pct".into()));
-        let (name, text) = of_topic(&kind, "truth/targets");
+        let (name, text) = of_topic(&kind, "view/0/beliefs", Encoding::Json);
+        assert_eq!(name, "csat.ViewBeliefs");
+        assert!(text.contains("\"cell_m\""));
+        let (name, text) = of_topic(&kind, "truth/targets", Encoding::Json);
         assert_eq!(name, "csat.TruthTargets");
         let schema: Value = serde_json::from_str(&text).unwrap();
         let items = &schema["properties"]["targets"]["items"]["properties"];

@@ -111,7 +111,7 @@ impl Tape {
         document: &Document,
     ) -> Result<(), RecordError> {
         if !self.channels.contains_key(topic) {
-            let (name, text) = schema::of_topic(&self.kind, &document.topic);
+            let (name, text) = schema::of_topic(&self.kind, &document.topic, document.encoding);
             let media_type = document.encoding.media_type().to_owned();
             let metadata = BTreeMap::from([(MEDIA_TYPE.to_owned(), media_type)]);
             self.open(topic, "json", (&name, "jsonschema", text.as_bytes()), &metadata)?;

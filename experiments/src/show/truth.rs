@@ -18,11 +18,20 @@ use csat_mission::mission::{Kind, Mission};
 use csat_mission::picture::Ring;
 use csat_mission::picture::to_millimetre;
 use csat_mission::shape;
+use csat_mission::style::Style;
 
 /// The name of the town's document.
 pub const TOWN: &str = "truth/town";
 /// The name of the document of what is measured.
 pub const COLUMNS: &str = "truth/columns";
+
+/// The name of the document of layers.
+pub const LAYERS: &str = "truth/layers";
+
+/// `truth/layers`: how the layers of what agents know are drawn.
+pub fn layers(styles: &[Style]) -> Document {
+    Document::json(LAYERS, &json!({ "layers": styles }))
+}
 
 /// Members of the town's collection beside its features.
 #[derive(Debug, Serialize)]

@@ -2,6 +2,8 @@
 
 use zenoh::key_expr::KeyExpr;
 
+use crate::set_membership::SetMembership;
+use csat_mission::documents::names;
 use csat_peer::wire::session::first_line;
 
 /// What is shown of a run unless told otherwise: everything, of every run.
@@ -53,8 +55,8 @@ pub enum When {
     Token,
 }
 
-/// Everything that a run has, below `csat/*/`.
-const TOPICS: [(&str, When); 23] = [
+/// Everything that a run has, below `csat/*/`, but for the documents of agents.
+const TOPICS: [(&str, When); 15] = [
     ("clock", When::Flying),
     ("link/*/*", When::Flying),
     ("link/*/probe", When::Rarely("before an agent flies")),
@@ -62,28 +64,29 @@ const TOPICS: [(&str, When); 23] = [
     ("uav/*/command", When::Flying),
     ("uav/*/report", When::Flying),
     ("uav/*/ready", When::Rarely("before an agent flies")),
-    ("view/*/pose", When::Flying),
-    ("view/*/targets", When::Flying),
-    ("view/*/unexplored", When::Flying),
-    ("view/*/obstacles", When::Flying),
-    ("view/*/hidden", When::Flying),
-    ("view/*/oem", When::Flying),
-    ("view/*/plan", When::Flying),
-    ("view/*/stats", When::Flying),
-    ("view/*/links", When::Flying),
     ("truth/targets", When::Flying),
     ("truth/metrics", When::Flying),
-    ("truth/town", When::Rarely("at the start, and to those who ask (a Zenoh `get`)")),
+    ("truth/town", ONCE),
+    ("truth/layers", ONCE),
     ("truth/lives", When::Rarely("when an agent begins or ends")),
     ("join/*", When::Asked),
     ("state/*/*", When::Asked),
     ("alive/*", When::Token),
 ];
 
+/// Of what is said once.
+const ONCE: When = When::Rarely("at the start, and to those who ask (a Zenoh `get`)");
+
+/// Everything that a run has, below `csat/*/`.
+fn topics() -> impl Iterator<Item = (String, When)> {
+    let of_agents = names::<SetMembership>().map(|name| (format!("view/*/{name}"), When::Flying));
+    TOPICS.iter().map(|(topic, when)| ((*topic).to_owned(), *when)).chain(of_agents)
+}
+
 /// When something comes on the keys of an expression; `None` if a run has no such key. Of several
 /// topics the one that is heard most counts.
 pub fn when(keys: &KeyExpr<'_>) -> Option<When> {
-    let found = TOPICS.iter().filter(|(topic, _)| intersects(keys, &format!("csat/*/{topic}")));
+    let found = topics().filter(|(topic, _)| intersects(keys, &format!("csat/*/{topic}")));
     let rank = |when: &When| match when {
         When::Flying => 0,
         When::Rarely(_) => 1,
@@ -92,7 +95,7 @@ pub fn when(keys: &KeyExpr<'_>) -> Option<When> {
     };
     // `link/*/*` is the only topic that covers another one: the narrower one is meant by its name.
     let is_probe = keys.ends_with("/probe");
-    found.map(|(_, when)| *when).filter(|w| !is_probe || *w != When::Flying).min_by_key(rank)
+    found.map(|(_, when)| when).filter(|w| !is_probe || *w != When::Flying).min_by_key(rank)
 }
 
 /// Whether some key is in both.
@@ -113,7 +116,7 @@ pub fn nearest<'a>(
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, key)| key)
     };
-    let topics = TOPICS.iter().filter(|_| known).map(|(topic, _)| format!("csat/*/{topic}"));
+    let topics = topics().filter(|_| known).map(|(topic, _)| format!("csat/*/{topic}"));
     best(&mut heard.map(ToOwned::to_owned)).or_else(|| best(&mut { topics }))
 }
 

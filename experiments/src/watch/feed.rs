@@ -11,6 +11,7 @@ use serde::Deserialize;
 use tokio::sync::watch;
 
 use super::history::History;
+use csat_mission::documents::OWN;
 
 /// The most topics of one mission; a fleet of 64 has under 600.
 const MAX_TOPICS: usize = 16_384;
@@ -67,13 +68,10 @@ fn view_of(topic: &str) -> Option<(usize, &str)> {
     Some((agent.parse().ok()?, name))
 }
 
-/// Whether a page that draws what `agent` knows needs a topic: the sets and rasters of the others,
-/// nearly all of the bytes, are not drawn.
+/// Whether a page that draws what `agent` knows needs a topic: the layers of the others, nearly all of
+/// the bytes, are not drawn.
 pub fn is_drawn(topic: &str, agent: usize) -> bool {
-    match view_of(topic) {
-        Some((i, "unexplored" | "targets" | "obstacles" | "hidden" | "oem")) => i == agent,
-        _ => true,
-    }
+    view_of(topic).is_none_or(|(of, name)| of == agent || OWN.contains(&name))
 }
 
 /// Documents as JSON: an object by topic.

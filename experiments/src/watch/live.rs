@@ -12,14 +12,14 @@ use zenoh::sample::{Sample, SampleKind};
 
 use super::WatchError;
 use super::feed::{Document, Hub};
-use crate::show::truth;
+use crate::show::truth::{COLUMNS, LAYERS, TOWN};
 use csat_mission::timing::Stopwatch;
 
 /// Documents that were heard and are not read yet; one step of 64 agents is under 600.
 const QUEUE: usize = 4096;
 /// The liveliness token of a mission's world, which goes when the mission ends.
 const WORLD: &str = "alive/world";
-/// How long to wait before asking for the town again, and for an answer.
+/// How long to wait before asking again for what is said once, and for an answer.
 const ASKING: Duration = Duration::from_secs(1);
 /// A mission that was not heard for so long gives way to another one, seconds.
 const SILENCE_S: f64 = 5.0;
@@ -55,7 +55,7 @@ pub async fn follow(session: &Session, hub: &Arc<Hub>, run: Option<u64>) -> Resu
     let alive = alive.callback(move |sample| queue(&sample, &token_sender, &token_lost)).await;
     let _alive = alive.map_err(refused)?;
     tokio::select! {
-        result = ask_for_what_is_still(session, hub, &runs, &sender) => result,
+        result = ask_for_what_stays(session, hub, &runs, &sender) => result,
         () = read(receiver, hub, &lost, Choice::default()) => Ok(()),
     }
 }
@@ -80,18 +80,16 @@ fn queue(sample: &Sample, sender: &Sender<Heard>, lost: &AtomicU64) {
     }
 }
 
-/// What is published once, at the start: a listener that comes later asks for it.
-const STILL: [&str; 2] = [truth::TOWN, truth::COLUMNS];
-
-async fn ask_for_what_is_still(
+/// The town, the layers and the columns are published once, at the start: a page that comes later asks.
+async fn ask_for_what_stays(
     session: &Session,
     hub: &Hub,
     runs: &str,
     sender: &Sender<Heard>,
 ) -> Result<(), WatchError> {
     loop {
-        if !STILL.iter().all(|topic| hub.has(topic)) {
-            let key = format!("csat/{runs}/truth/*");
+        for topic in [TOWN, LAYERS, COLUMNS].into_iter().filter(|topic| !hub.has(topic)) {
+            let key = format!("csat/{runs}/{topic}");
             let replies = session.get(key).timeout(ASKING).await.map_err(refused)?;
             while let Ok(reply) = replies.recv_async().await {
                 // An error is that of a peer without documents.

@@ -2,6 +2,8 @@
 
 use std::hash::{BuildHasher, RandomState};
 
+use crate::set_membership::layers::LAYERS;
+
 const STYLE: &str = concat!(include_str!("page/base.css"), include_str!("page/parts.css"));
 const SCRIPT: &str = concat!(
     "'use strict';\n",
@@ -9,6 +11,7 @@ const SCRIPT: &str = concat!(
     include_str!("page/state.js"),
     include_str!("page/camera.js"),
     include_str!("page/shapes.js"),
+    include_str!("page/layers.js"),
     include_str!("page/ground.js"),
     include_str!("page/fleet.js"),
     include_str!("page/links.js"),
@@ -47,11 +50,14 @@ pub fn html(mode: Mode) -> Page {
     };
     // Only the style and the script that bear this number are obeyed.
     let nonce = format!("{:016x}", RandomState::new().hash_one(mode));
+    // Recordings that do not say their layers are of this mission.
+    let layers = serde_json::to_string(LAYERS).expect("names and numbers are JSON");
     let html = BODY
         .replace("{{mode}}", mode)
         .replace("{{nonce}}", &nonce)
         .replace("{{style}}", STYLE)
-        .replace("{{script}}", SCRIPT);
+        .replace("{{script}}", SCRIPT)
+        .replace("{{layers}}", &layers);
     let policy = format!(
         "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; connect-src \
          'self'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"

@@ -17,14 +17,10 @@ use zenoh::qos::{CongestionControl, Priority};
 use zenoh::query::Query;
 use zenoh::{Session, Wait};
 
-use csat_mission::documents::{AgentStep, Document, agent_documents};
+use csat_mission::documents::{AgentStep, Document, agent_documents, names};
 use csat_mission::fleet::Passage;
 use csat_mission::mission::Mission;
 use csat_mission::timing::Stopwatch;
-
-/// The names of an agent's documents.
-const NAMES: [&str; 9] =
-    ["pose", "targets", "unexplored", "obstacles", "hidden", "oem", "plan", "stats", "links"];
 
 /// The least time between two steps that are shown, however fast a fleet flies.
 pub const LEAST_PERIOD: Duration = Duration::from_millis(80);
@@ -113,8 +109,8 @@ impl<R: Send + 'static> Mirror<R> {
         id: AgentId,
         mission: M,
     ) -> zenoh::Result<Self> {
-        let watched = NAMES.map(|name| Watched::declare(session, keys.view(id, name)));
-        let watched = watched.into_iter().collect::<zenoh::Result<Vec<_>>>()?;
+        let watched = names::<M>().map(|name| Watched::declare(session, keys.view(id, name)));
+        let watched = watched.collect::<zenoh::Result<Vec<_>>>()?;
         let wanted = watched.iter().map(|w| w.wanted.clone()).collect();
         let (jobs, todo) = sync_channel(QUEUE);
         std::thread::spawn(move || draw(&todo, &mission, keys, id, &watched));
@@ -151,7 +147,7 @@ fn draw<M: Mission>(
         match job {
             Job::Show(picture) => {
                 let documents = documents(mission, id, &picture);
-                for (name, watched) in NAMES.iter().zip(watched).filter(|(_, w)| w.is_wanted()) {
+                for (name, watched) in names::<M>().zip(watched).filter(|(_, w)| w.is_wanted()) {
                     let topic = format!("view/{id}/{name}");
                     documents.iter().filter(|d| d.topic == topic).for_each(|d| watched.put(d));
                 }
@@ -172,7 +168,7 @@ fn documents<M: Mission>(
 ) -> Vec<Document> {
     let Picture { incarnation, step, time_s, ref report, ref passages, bytes_sent } = *picture;
     let step = AgentStep { agent, incarnation, step, time_s, report, passages, bytes_sent };
-    agent_documents(mission, &step, &mission.view(report))
+    agent_documents(mission, &step, &mission.picture(report))
 }
 
 /// Replies with a document if it is among what was asked for.

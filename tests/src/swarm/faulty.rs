@@ -10,10 +10,9 @@ use csat_agent::agent::{Event, SetMembershipAgent};
 use csat_experiments::scenario::Scenario;
 use csat_experiments::set_membership::SetMembership;
 use csat_experiments::set_membership::report::Report;
-use csat_mission::documents::{AgentStep, Document};
 use csat_mission::judge::{Judge, Judged};
 use csat_mission::measures::{Measures, Values};
-use csat_mission::mission::{Detail, Kind, Mission, Tally};
+use csat_mission::mission::{self, Detail, Kind, Mission, Tally};
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::command::YawCommand;
@@ -127,6 +126,25 @@ pub struct FaultyReport {
     ahead: u32,
 }
 
+impl mission::Report for FaultyReport {
+    /// The world's step. An agent that has seen no frame knows what holds at the start.
+    fn step(&self) -> Step {
+        Step(self.inner.step.0.saturating_sub(self.ahead))
+    }
+
+    fn pose(&self) -> &Pose {
+        &self.inner.pose
+    }
+
+    fn planned(&self) -> &[Pose] {
+        &self.inner.planned
+    }
+
+    fn tally(&self) -> &Tally {
+        &self.inner.tally
+    }
+}
+
 impl Mission for Faulty {
     type Agent = FaultyAgent;
     type Report = FaultyReport;
@@ -150,11 +168,6 @@ impl Mission for Faulty {
         FaultyReport { inner, ahead: agent.handicap.ahead }
     }
 
-    /// The world's step. An agent that has seen no frame knows what holds at the start.
-    fn step(&self, report: &FaultyReport) -> Step {
-        Step(report.inner.step.0.saturating_sub(report.ahead))
-    }
-
     fn judge(&self) -> Faulty {
         self.clone()
     }
@@ -165,23 +178,6 @@ impl Mission for Faulty {
 
     fn footprint(&self, report: &FaultyReport) -> Vec<[f64; 2]> {
         self.mission.footprint(&report.inner)
-    }
-
-    fn view(&self, report: &FaultyReport) -> csat_mission::picture::Knowledge {
-        self.mission.view(&report.inner)
-    }
-
-    /// Nobody looks on.
-    fn documents(
-        &self,
-        _: &AgentStep<'_, FaultyReport>,
-        _: &csat_mission::picture::Knowledge,
-    ) -> Vec<Document> {
-        Vec::new()
-    }
-
-    fn tally<'a>(&self, report: &'a FaultyReport) -> &'a Tally {
-        self.mission.tally(&report.inner)
     }
 
     fn is_inconsistency(&self, event: &Event) -> bool {

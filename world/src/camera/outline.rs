@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
+use csat_proto::region::is_inside;
 use nalgebra::Vector3;
 
 use super::MIN_CLEARANCE_M;
 use super::depth::DepthBuffer;
 use super::lens::{ImageBox, ImageEdge, Lens, Vertex};
-use crate::obstacle::contains;
 use crate::plane::distance_to_segment_m;
 use crate::scene::{Entity, Prism, Scene};
 
@@ -321,7 +321,7 @@ fn clearance_of(prism: &Prism, centre: &Vector3<f64>) -> f64 {
         ends.map(|(&a, &b)| [a, b])
     });
     let edges: Vec<[[f64; 2]; 2]> = edges.collect();
-    if contains(&edges, p) {
+    if is_inside(&edges, p) {
         return 0.0;
     }
     edges.iter().map(|&[a, b]| distance_to_segment_m(p, a, b)).fold(f64::INFINITY, f64::min)

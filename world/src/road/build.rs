@@ -2,9 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use csat_proto::region::is_inside;
+
 use super::noding::Segment;
 use super::{RoadEdge, RoadGraph, RoadRules};
-use crate::obstacle::{Walls, contains};
+use crate::obstacle::Walls;
 use crate::plane::{Point, between, distance_m, interval_near_segment};
 
 /// Shorter leftovers of a cut are dropped, metres.
@@ -47,7 +49,7 @@ fn clear_intervals([a, b]: Segment, walls: &Walls, clearance_m: f64) -> Vec<[f64
     // What is far from all walls may still be inside a building: wholly or not at all.
     let inside = |[lo, hi]: [f64; 2]| {
         let middle = between(a, b, (lo + hi) / 2.0);
-        near.iter().any(|edges| contains(edges, middle))
+        near.iter().any(|edges| is_inside(*edges, middle))
     };
     clear.retain(|interval| !inside(*interval));
     clear

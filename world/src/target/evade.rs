@@ -6,11 +6,12 @@
 use std::f64::consts::TAU;
 
 use csat_proto::model::Ground;
+use csat_proto::region::is_inside;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::{Car, MAX_TURN_RATE_RAD_S, TargetTruth, Traffic, turned};
-use crate::obstacle::{Walls, contains};
+use crate::obstacle::Walls;
 use crate::plane::{Point, between, distance_m, distance_to_segment_m};
 
 /// Headings that a car chooses from in each period.
@@ -56,7 +57,7 @@ impl Watcher {
     }
 
     fn sees(&self, place: Point) -> bool {
-        contains(&self.edges, place)
+        is_inside(&self.edges, place)
     }
 
     /// How far a place is from the border of the footprint, metres.

@@ -1,4 +1,4 @@
-// Colours and signs: those of map.svg, Okabe and Ito's where something must be told apart; hatching,
+// Colours and signs of what is the same for all missions: those of map.svg, Okabe and Ito's where something must be told apart; hatching,
 // dashes and letters say the same again.
 
 const UAV_COLOURS =
@@ -7,11 +7,7 @@ const uavColour = (agent) => UAV_COLOURS[agent % UAV_COLOURS.length];
 
 const COLOUR = {
   paper: '#F4F4F1', region: '#FFFFFF', border: '#333333', road: '#E0E0DC',
-  unexplored: '#F5DF4D', unexploredEdge: '#B79F00',
-  target: '#009E73', targetEdge: '#00573F',
-  hidden: '#1F5FBF', margin: '#000000',
-  oem: [178, 24, 43], oemEmpty: '#D7E8F3',
-  buildingEdge: '#4A4A4A', delivered: '#2B4A6B', down: '#595959',
+  empty: '#D7E8F3', buildingEdge: '#4A4A4A', delivered: '#2B4A6B', down: '#595959',
 };
 
 // What became of a message, with the letter that its loss bears on the map.
@@ -29,6 +25,6 @@ const UNKNOWN_OUTCOME = { sign: '?', colour: '#595959', words: 'not known' };
 const outcomeOf = (name) =>
   Object.hasOwn(OUTCOMES, name) ? OUTCOMES[name] : { ...UNKNOWN_OUTCOME, words: String(name) };
 
-// Bands of height of the occupancy-elevation map.
+// Bands of height, or of other values: the higher, the darker.
 const BANDS = 5;
-const oemColour = (band) => `rgba(${COLOUR.oem.join(',')},${0.25 + 0.7 * (band / (BANDS - 1))})`;
+const bandAlpha = (band) => 0.25 + 0.7 * (band / (BANDS - 1));

@@ -1,22 +1,17 @@
 // Layers, which are the legend too, and the choice of an agent.
 
-const LAYERS = [
-  { group: 'what it knows' },
-  { id: 'unexplored', words: 'X̄ unexplored: other cars can only be here', on: true, sample: boxSample(COLOUR.unexplored, COLOUR.unexploredEdge) },
-  { id: 'targets', words: 'Xⱼ: the identified car j is in it (◉ seen now)', on: true, sample: boxSample('rgba(0,158,115,0.55)', COLOUR.targetEdge) },
-  { id: 'hidden', words: 'ground hidden and not seen since', on: true, sample: hatchSample(HIDDEN_HATCH) },
-  { id: 'obstacles', words: 'X° obstacle margin: no car can be here', on: true, sample: hatchSample(MARGIN_HATCH, '#000000') },
-  { id: 'oem', words: 'buildings as known (OEM)', on: true, sample: heightsSample, heights: true },
+const COMMON_LAYERS = [
   { group: 'the fleet' },
-  { id: 'paths', words: 'paths', on: true, sample: lineSample([], 2.4) },
-  { id: 'footprints', words: 'footprints of the cameras', on: true, sample: lineSample([5, 3], 1.4) },
-  { id: 'plans', words: 'plans', on: true, sample: lineSample([1.5, 3], 1.8) },
-  { id: 'links', words: 'messages: arrived, or lost because of', on: true, sample: linkSample, reasons: true },
+  { id: 'paths', words: 'paths', sample: lineSample([], 2.4) },
+  { id: 'footprints', words: 'footprints of the cameras', sample: lineSample([5, 3], 1.4) },
+  { id: 'plans', words: 'plans', sample: lineSample([1.5, 3], 1.8) },
+  { id: 'links', words: 'messages: arrived, or lost because of', sample: linkSample, reasons: true },
   { group: 'the truth' },
-  { id: 'buildings', words: 'buildings, darker when higher', on: true, sample: boxSample('#B5B5B5', COLOUR.buildingEdge) },
-  { id: 'roads', words: 'roads', on: true, sample: boxSample(COLOUR.road, COLOUR.road) },
-  { id: 'cars', words: 'cars: known, not known', on: true, sample: carsSample },
+  { id: 'buildings', words: 'buildings, darker when higher', sample: boxSample('#B5B5B5', COLOUR.buildingEdge) },
+  { id: 'roads', words: 'roads', sample: boxSample(COLOUR.road, COLOUR.road) },
+  { id: 'cars', words: 'cars: known, not known', sample: carsSample },
 ];
+let LAYERS = [];
 const switches = new Map();
 const layerShown = (id) => switches.get(id).checked;
 
@@ -26,18 +21,6 @@ function boxSample(fill, stroke) {
     context.strokeStyle = stroke;
     context.fillRect(0.5, 0.5, 27, 15);
     context.strokeRect(0.5, 0.5, 27, 15);
-  };
-}
-
-function hatchSample(style, stroke) {
-  return (context, dpr) => {
-    // Patterns count in device pixels.
-    context.save();
-    context.setTransform(1, 0, 0, 1, 0, 0);
-    context.fillStyle = hatch(context, style, dpr, false);
-    context.fillRect(0, 0, 28 * dpr, 16 * dpr);
-    context.restore();
-    if (stroke) context.strokeRect(0.5, 0.5, 27, 15);
   };
 }
 
@@ -68,15 +51,6 @@ function linkSample(context) {
   context.stroke();
 }
 
-function heightsSample(context) {
-  context.fillStyle = COLOUR.oemEmpty;
-  context.fillRect(0, 0, 8, 16);
-  for (let band = 0; band < BANDS; band++) {
-    context.fillStyle = oemColour(band);
-    context.fillRect(8 + band * 4, 0, 4, 16);
-  }
-}
-
 function carsSample(context) {
   for (const [x, fill, stroke] of [[4, '#000000', '#ffffff'], [17, '#ffffff', '#000000']]) {
     context.fillStyle = fill;
@@ -97,26 +71,32 @@ function sampleCanvas(width, height, draw) {
   return canvas;
 }
 
+// Makes the switches of the mission's layers and of the common ones; what was switched off stays off.
 function makeLayers() {
-  for (const layer of LAYERS) {
-    if (layer.group) {
-      const title = document.createElement('h3');
-      title.textContent = layer.group[0].toUpperCase() + layer.group.slice(1);
-      byId('layers').append(title);
-      continue;
-    }
-    const label = document.createElement('label');
-    const input = document.createElement('input');
-    [input.type, input.checked, input.id] = ['checkbox', layer.on, `layer-${layer.id}`];
-    input.addEventListener('change', () => redraw('all'));
-    const words = document.createElement('span');
-    words.textContent = layer.words;
-    words.id = `words-${layer.id}`;
-    label.append(input, sampleCanvas(28, 16, layer.sample), words);
-    byId('layers').append(label);
-    switches.set(layer.id, input);
-    if (layer.reasons) byId('layers').append(reasonList());
-  }
+  const own = styles.map((style) => ({ id: switchOf(style), words: wordsOf(style), sample: sampleOf(style) }));
+  LAYERS = [...(own.length ? [{ group: 'what it knows' }, ...own] : []), ...COMMON_LAYERS];
+  const off = new Set([...switches].filter(([, input]) => !input.checked).map(([id]) => id));
+  switches.clear();
+  byId('layers').replaceChildren(...LAYERS.flatMap((layer) => layer.group ? groupTitle(layer) : layerSwitch(layer, off)));
+}
+
+function groupTitle({ group }) {
+  const title = document.createElement('h3');
+  title.textContent = group[0].toUpperCase() + group.slice(1);
+  return [title];
+}
+
+function layerSwitch(layer, off) {
+  const label = document.createElement('label');
+  const input = document.createElement('input');
+  [input.type, input.checked, input.id] = ['checkbox', !off.has(layer.id), `layer-${layer.id}`];
+  input.addEventListener('change', () => redraw('all'));
+  const words = document.createElement('span');
+  words.textContent = layer.words;
+  words.id = `words-${layer.id}`;
+  label.append(input, sampleCanvas(28, 16, layer.sample), words);
+  switches.set(layer.id, input);
+  return layer.reasons ? [label, reasonList()] : [label];
 }
 
 function reasonList() {
@@ -129,10 +109,9 @@ function reasonList() {
   return list;
 }
 
-// The heights that the colours of the OEM reach to.
-function showHeights() {
-  const highest_m = Math.round(highestDm() / 10);
-  setText('words-oem', `buildings as known (OEM): empty${highest_m > 0 ? `, up to ${highest_m} m` : ''}`);
+// The values that the colours of layers reach to.
+function showScales() {
+  for (const style of styles) setText(`words-${switchOf(style)}`, wordsOf(style));
 }
 
 // A button for each agent, with the first of its numbers.

@@ -14,7 +14,7 @@ function drawFleet(context, now) {
   const fading = layerShown('links') ? drawLinks(context, agents, now) : false;
   if (layerShown('cars')) drawCars(context);
   const taken = agents.map((agent) => drawAgent(context, agent)).filter(Boolean);
-  if (layerShown('targets')) drawTargetNames(context, taken);
+  drawNames(context, taken);
   return fading;
 }
 
@@ -94,7 +94,7 @@ function drawPlan(context, agent) {
 
 // Squares: full when the chosen agent knows the car.
 function drawCars(context) {
-  const known = new Set(targetsOf(state.agent).map((feature) => feature.properties?.target));
+  const known = targetsOf(state.agent);
   for (const { target, location } of state.docs['truth/targets']?.targets ?? []) {
     const [x, y] = toPixel(location);
     context.fillStyle = known.has(target) ? '#000000' : '#ffffff';
@@ -107,8 +107,6 @@ function drawCars(context) {
 
 const ARROW = [[12, 0], [-8, 7], [-4, 0], [-8, -7]];
 const MAST = [[0, -10], [9, 7], [-9, 7]];
-
-const targetsOf = (agent) => view(agent, 'targets')?.features ?? [];
 
 // An arrowhead, or a mast for a station; a cross for who crashed. Gives the box that its name takes.
 function drawAgent(context, agent) {
@@ -155,28 +153,6 @@ function drawAgent(context, agent) {
   const width = name.length * 7.5;
   label(context, name, [x, y - 15], { colour: down ? COLOUR.down : uavColour(agent), size: chosen ? 14 : 12 });
   return [x - width / 2, y - 28, width, 40];
-}
-
-// Names of target sets, a little aside when something is there already.
-function drawTargetNames(context, taken) {
-  for (const feature of targetsOf(state.agent)) {
-    const highest = fromDocument(feature, 'highest', highestPoint);
-    if (!highest) continue;
-    const [x, y] = toPixel(highest);
-    const { target, detected } = feature.properties ?? {};
-    const name = detected ? `${target} ◉` : `${target}`;
-    const width = name.length * 8 + 4;
-    const places = [[0, -5], [0, 22], [22, 8], [-22, 8], [26, -12], [-26, -12]];
-    const boxAt = ([dx, dy]) => [x + dx - width / 2, y + dy - 12, width, 15];
-    const free = places.find((place) => !taken.some((box) => overlap(box, boxAt(place)))) ?? places[0];
-    taken.push(boxAt(free));
-    label(context, name, [x + free[0], y + free[1]], { colour: COLOUR.targetEdge, size: 13 });
-  }
-}
-
-function highestPoint(feature) {
-  const points = (feature.geometry?.coordinates ?? []).flat(2);
-  return points.reduce((best, point) => (best && best[1] >= point[1] ? best : point), null);
 }
 
 // The agent at a pixel.

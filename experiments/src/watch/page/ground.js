@@ -1,7 +1,6 @@
 // What lies on the ground: the truth and what one agent knows, from the bottom up.
 
 function drawGround(context) {
-  const shown = (id) => layerShown(id);
   context.setTransform(1, 0, 0, 1, 0, 0);
   context.fillStyle = COLOUR.paper;
   context.fillRect(0, 0, context.canvas.width, context.canvas.height);
@@ -10,24 +9,13 @@ function drawGround(context) {
   if (region) paint(context, region, { fill: COLOUR.region });
   context.save();
   if (region) context.clip(inPixels(region));
-  const oem = view(state.agent, 'oem');
-  if (shown('oem') && oem) {
-    paint(context, fromDocument(oem, 'empty', () => pathOfRuns(oem.empty)), { fill: COLOUR.oemEmpty });
-  }
-  if (shown('unexplored')) drawSet(context, 'unexplored',
-    { fill: COLOUR.unexplored, stroke: COLOUR.unexploredEdge, width: 0.7, alpha: 0.85 });
-  if (shown('roads')) drawRoads(context);
-  if (shown('buildings')) drawBuildings(context);
-  if (shown('oem') && oem) drawHeights(context, oem);
-  const hidden = view(state.agent, 'hidden');
-  if (shown('hidden') && hidden) {
-    paint(context, fromDocument(hidden, 'path', pathOfRuns), { fill: hatch(context, HIDDEN_HATCH) });
-  }
-  if (shown('obstacles')) drawSet(context, 'obstacles',
-    { fill: hatch(context, MARGIN_HATCH), stroke: COLOUR.margin, width: 0.8 });
+  drawHeights(context, true);
+  if (layerShown('roads')) drawRoads(context);
+  drawLayers(context, true);
+  if (layerShown('buildings')) drawBuildings(context);
+  drawHeights(context, false);
+  drawLayers(context, false);
   context.restore();
-  if (shown('targets')) drawSet(context, 'targets',
-    { fill: 'rgba(0,158,115,0.55)', stroke: COLOUR.targetEdge, width: 1.3 });
   if (region) paint(context, region, { stroke: COLOUR.border, width: 1.2 });
   context.setTransform(camera.dpr, 0, 0, camera.dpr, 0, 0);
   drawScale(context);
@@ -37,11 +25,6 @@ function regionPath([width, depth]) {
   const path = new Path2D();
   path.rect(-width / 2, -depth / 2, width, depth);
   return path;
-}
-
-function drawSet(context, name, style) {
-  const doc = view(state.agent, name);
-  if (doc) paint(context, fromDocument(doc, 'path', () => pathOfFeatures(doc.features)), style);
 }
 
 function drawRoads(context) {
@@ -75,12 +58,6 @@ function drawBuildings(context) {
     const grey = Math.round(212 - (band * 70) / (BANDS - 1));
     paint(context, path, { fill: `rgb(${grey},${grey},${grey})`, stroke: COLOUR.buildingEdge, width: 0.9 });
   });
-}
-
-function drawHeights(context, oem) {
-  const highest = highestDm();
-  const paths = fromDocument(oem, `heights ${highest}`, () => pathsOfHeights(oem, highest));
-  paths.forEach((path, band) => paint(context, path, { fill: oemColour(band) }));
 }
 
 // A bar of a round length, and north.

@@ -16,7 +16,7 @@ function drawStale(now) {
   scheduled = false;
   let fading = false;
   const parts = {
-    words: () => [showHeader, showAgents, showHeights, showDetails, showTransport].forEach(attempt),
+    words: () => [showHeader, showAgents, showScales, showDetails, showTransport].forEach(attempt),
     ground: () => drawGround(byId('ground').getContext('2d')),
     fleet: () => (fading = drawFleet(byId('fleet').getContext('2d'), now)),
     curves: drawCurves,
@@ -120,6 +120,7 @@ function listenToButtons() {
 }
 
 function start() {
+  takeStyles();
   makeLayers();
   makeCurves(seek);
   listenToButtons();

@@ -5,16 +5,24 @@ function addRing(path, ring) {
   path.closePath();
 }
 
-// The areas of GeoJSON features.
-function pathOfFeatures(features) {
-  const path = new Path2D();
-  for (const feature of features ?? []) {
-    const { type, coordinates } = feature.geometry ?? {};
-    const polygons = type === 'Polygon' ? [coordinates] : type === 'MultiPolygon' ? coordinates : [];
-    for (const rings of polygons) rings.forEach((ring) => addRing(path, ring));
-  }
+// The area of a GeoJSON geometry.
+function addGeometry(path, geometry) {
+  const { type, coordinates } = geometry ?? {};
+  const polygons = type === 'Polygon' ? [coordinates] : type === 'MultiPolygon' ? coordinates : [];
+  for (const rings of polygons) rings.forEach((ring) => addRing(path, ring));
   return path;
 }
+
+// The areas of GeoJSON features, together.
+function pathOfFeatures(features) {
+  const path = new Path2D();
+  for (const feature of features ?? []) addGeometry(path, feature.geometry);
+  return path;
+}
+
+// The areas of a GeoJSON document, one by one.
+const pathsOfFeatures = (doc) => (doc.features ?? []).map(({ geometry, properties }) =>
+  ({ path: addGeometry(new Path2D(), geometry), properties }));
 
 // The cells of a raster, as runs.
 function pathOfRuns(cells) {
@@ -39,18 +47,29 @@ function pathsOfHeights(oem, highest_dm) {
   return paths;
 }
 
+// The cells of a raster of values: a path per band up to its maximum; cells of 0 are in none.
+function pathsOfHeat(heat) {
+  const paths = Array.from({ length: BANDS }, () => new Path2D());
+  const [x, y] = heat.origin_m ?? [0, 0];
+  const { cell_m: side, columns, maximum } = heat;
+  (heat.values ?? []).forEach((value, index) => {
+    const band = Math.min(BANDS, Math.ceil((value / maximum) * BANDS)) - 1;
+    paths[band]?.rect(x + (index % columns) * side, y + Math.floor(index / columns) * side, side, side);
+  });
+  return paths;
+}
+
 // The height that the darkest band ends at: the town's highest, so that colours stay as they are
 // while the map grows.
-function highestDm() {
+function highestDm(oem) {
   const doc = town();
   if (doc) {
     const highest = fromDocument(doc, 'highest', () =>
       Math.max(0, ...(doc.features ?? []).map((f) => f.properties?.height_m ?? 0)));
     if (highest > 0) return highest * 10;
   }
-  const oem = view(state.agent, 'oem');
-  return oem ? fromDocument(oem, 'highest', () =>
-    (oem.occupied ?? []).reduce((most, cell) => Math.max(most, cell[2]), 1)) : 1;
+  return fromDocument(oem, 'highest', () =>
+    (oem.occupied ?? []).reduce((most, cell) => Math.max(most, cell[2]), 1));
 }
 
 function inPixels(path) {
@@ -60,16 +79,17 @@ function inPixels(path) {
 }
 
 // Paints a path of the world; widths are in pixels of the page, whatever the zoom.
-function paint(context, path, { fill, stroke, width = 1, dash = [], alpha = 1 }) {
+function paint(context, path, { fill, fillAlpha, stroke, width = 1, dash = [], alpha = 1 }) {
   const pixels = inPixels(path);
   context.save();
   context.setTransform(1, 0, 0, 1, 0, 0);
-  context.globalAlpha = alpha;
   if (fill) {
+    context.globalAlpha = fillAlpha ?? alpha;
     context.fillStyle = fill;
     context.fill(pixels, 'evenodd');
   }
   if (stroke) {
+    context.globalAlpha = alpha;
     context.strokeStyle = stroke;
     context.lineWidth = width * camera.dpr;
     context.lineJoin = 'round';
@@ -81,14 +101,14 @@ function paint(context, path, { fill, stroke, width = 1, dash = [], alpha = 1 })
 
 // Hatching that stays with the ground when the map is moved.
 const tiles = new Map();
-function hatch(context, { colour, spacing, width, falling }, dpr = camera.dpr, follow = true) {
-  const key = [colour, spacing, width, falling, dpr].join();
+function hatch(context, { colour, spacing_px, width_px, falling }, dpr, follow) {
+  const key = [colour, spacing_px, width_px, falling, dpr].join();
   if (!tiles.has(key)) {
-    const side = Math.round(spacing * Math.SQRT2 * dpr);
+    const side = Math.min(200, Math.max(2, Math.round(spacing_px * Math.SQRT2 * dpr) || 0));
     const tile = new OffscreenCanvas(side, side);
     const pen = tile.getContext('2d');
     pen.strokeStyle = colour;
-    pen.lineWidth = width * dpr;
+    pen.lineWidth = width_px * dpr;
     // The corners belong to the lines of the neighbours.
     for (const shift of [-side, 0, side]) {
       pen.beginPath();
@@ -105,8 +125,6 @@ function hatch(context, { colour, spacing, width, falling }, dpr = camera.dpr, f
   }
   return pattern;
 }
-const HIDDEN_HATCH = { colour: COLOUR.hidden, spacing: 5, width: 1.6, falling: false };
-const MARGIN_HATCH = { colour: COLOUR.margin, spacing: 3, width: 0.8, falling: true };
 
 // Words on a white halo.
 function label(context, text, [x, y], { colour = '#222222', size = 12, bold = true } = {}) {

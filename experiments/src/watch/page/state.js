@@ -56,6 +56,7 @@ function takeDocuments(documents) {
     if (topic === 'truth/metrics' && LIVE) grow(state.metrics, doc, (point) => point.time_s);
   }
   if (newest > -Infinity) state.time = newest;
+  if (takeStyles()) makeLayers();
 }
 
 function growPath(agent, pose) {
