@@ -23,15 +23,13 @@ use csat_proto::time::{SimTime, Step};
 use serde::{Deserialize, Serialize};
 use tracing::info_span;
 
-use crate::commons::Commons;
 use crate::config::{AgentConfig, ExchangeMode};
 use crate::estimate::evidence::Heard;
-use crate::estimate::settled::Settled;
 use crate::estimate::state::Knowledge;
 use crate::estimate::{Changes, Estimator};
 use crate::exchange::held::Held;
-use crate::exchange::inbox::{Inbox, Received};
 use crate::exchange::outbox::{Account, Outbox, Said};
+use crate::exchange::receiver::{CheckedMessage, Received, Receiver};
 use crate::exchange::repair::Repair;
 use crate::exchange::validate::Rejection;
 use crate::guidance::airspace::{Airspace, WayOut};
@@ -40,6 +38,11 @@ use crate::guidance::{Decision, Picture, Planner};
 use crate::identity::Identity;
 use crate::mutant::{Mutant, is_on};
 use crate::sense::{Measured, Sensor};
+use crate::settled::SettledKnowledge;
+use crate::shared_cache::SharedCache;
+use drop_reason::DropReason;
+
+pub mod drop_reason;
 
 /// What an agent reports to whoever observes it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -84,17 +87,17 @@ pub enum Event {
 #[derive(Debug, Clone)]
 pub struct SetMembershipAgent {
     config: AgentConfig,
-    commons: Commons,
+    cache: Arc<SharedCache>,
     sensor: Sensor,
     estimator: Estimator,
     planner: Planner,
     /// Where buildings may be higher than the flights.
     airspace: Option<Airspace>,
     scheduler: Scheduler,
-    knowledge: Arc<Settled>,
+    knowledge: Arc<SettledKnowledge>,
     /// Which facts the knowledge contains.
     held: Held,
-    inbox: Inbox,
+    receiver: Receiver,
     outbox: Outbox,
     repair: Repair,
     pose: Pose,
@@ -122,22 +125,25 @@ pub struct SetMembershipAgent {
 impl SetMembershipAgent {
     /// An agent that knows nothing but its configuration.
     pub fn new(config: &AgentConfig) -> Self {
-        Self::sharing(config, Commons::default())
+        Self::with_cache(config, Arc::default())
     }
 
-    /// The same, as one of several in a process, all of the same configuration but for `id` and
-    /// `incarnation`.
-    pub fn sharing(config: &AgentConfig, commons: Commons) -> Self {
+    /// The same, as one of several agents in a process that share `cache`; their configurations must
+    /// differ in `id` and `incarnation` only.
+    pub fn with_cache(config: &AgentConfig, cache: Arc<SharedCache>) -> Self {
         Self {
             sensor: Sensor::new(config),
             estimator: Estimator::new(config),
             planner: Planner::new(config),
             airspace: Airspace::new(config),
             scheduler: Scheduler::new(config),
-            knowledge: Arc::new(Settled::new(Knowledge::at_start(config), Identity::default())),
+            knowledge: Arc::new(SettledKnowledge::new(
+                Knowledge::at_start(config),
+                Identity::default(),
+            )),
             held: Held::new(config),
-            inbox: Inbox::new(config, commons.clone()),
-            commons,
+            receiver: Receiver::new(config),
+            cache,
             outbox: Outbox::new(config),
             repair: Repair::new(config),
             frame: None,
@@ -162,7 +168,7 @@ impl SetMembershipAgent {
     }
 
     /// What the agent knows.
-    pub fn knowledge(&self) -> &Settled {
+    pub fn knowledge(&self) -> &SettledKnowledge {
         &self.knowledge
     }
 
@@ -223,10 +229,10 @@ impl SetMembershipAgent {
     fn update(&mut self) {
         let step = self.step();
         let frame = self.frame.take();
-        if frame.is_none() && !self.inbox.has_due(step) {
+        if frame.is_none() && !self.receiver.has_due(step) {
             return;
         }
-        let heard = self.inbox.take_due(step);
+        let heard = self.receiver.take_due(step);
         if let Some((_, Some(_))) = frame {
             let number = self.outbox.facts_said() - 1;
             self.held.apply(self.config.id, self.config.incarnation, number);
@@ -244,7 +250,7 @@ impl SetMembershipAgent {
         }
         let own = self.measured.as_ref().filter(|_| frame.is_some()).map(|m| (step, m));
         let lineage = self.lineage(frame, &heard);
-        let (knowledge, changes) = self.commons.updated(step, lineage, || {
+        let (knowledge, changes) = self.cache.updated(step, lineage, || {
             let mut knowledge = Knowledge::clone(&self.knowledge);
             let changes = self.estimator.update(&mut knowledge, own, heard.clone());
             (knowledge, changes)
@@ -300,11 +306,20 @@ impl SetMembershipAgent {
         (sender.0 < self.config.agents()).then_some(sender)
     }
 
-    fn reject(&mut self, from: Option<AgentId>, rejection: &Rejection) {
-        let reason = rejection.name();
+    /// Checks a message, unless another agent of the process did, and keeps what it tells.
+    fn receive(&mut self, bytes: &[u8]) -> Result<Received, Rejection> {
+        let (now, config) = (self.step(), &self.config);
+        let identity = Identity::of(bytes);
+        let check = || CheckedMessage::decode(config, now, identity, bytes);
+        let message = self.cache.message(now, identity, check)?;
+        self.receiver.receive(&message, &self.held)
+    }
+
+    fn reject(&mut self, from: Option<AgentId>, dropped: &DropReason) {
+        let reason = dropped.name();
         *self.rejected.entry(reason).or_default() += 1;
         if self.reported.insert((reason, from)) {
-            let (step, detail) = (self.knowledge.step, rejection.to_string());
+            let (step, detail) = (self.knowledge.step, dropped.to_string());
             // Links that damage messages make many of these: the terminal gets their sum at the end.
             tracing::info!(agent = %self.config.id, ?from, reason, detail, "dropped");
             self.events.push_back(Event::Rejected { step, from, reason: reason.into(), detail });
@@ -323,7 +338,7 @@ impl SetMembershipAgent {
         let last = self.step();
         if self.measured.is_some() && step <= last {
             // What it shows is of then, and would be believed of now.
-            return self.reject(None, &Rejection::OldFrame { got: step.0, last: last.0 });
+            return self.reject(None, &DropReason::OldFrame { got: step.0, last: last.0 });
         }
         self.update_due = true;
         self.pose = pose;
@@ -382,17 +397,17 @@ impl SetMembershipAgent {
         if let Some(ways) = ways.as_ref().filter(|ways| !ways.is_any_safe()) {
             return (ways.retreat(), ways.behind_retreat());
         }
-        let coarse = self.knowledge.coarse();
+        let rasters = self.knowledge.planner_rasters();
         let nothing = Raster::empty(self.config.raster_grid());
         let hidden_to = |id| self.last_facts.get(id).map(|(fact, _)| &fact.hidden);
         let neighbours_hidden_now: Vec<Option<&Raster>> =
             pass.neighbours.iter().map(hidden_to).collect();
         let picture = Picture {
-            wanted: &coarse.wanted,
-            margin: &coarse.margin,
+            wanted: &rasters.wanted,
+            margin: &rasters.margin,
             hidden_now: self.measured.as_ref().map_or(&nothing, |m| &m.hidden),
             neighbours_hidden_now: &neighbours_hidden_now,
-            hidden_recent: &coarse.hidden_recently,
+            hidden_recent: &rasters.hidden_recently,
             oem,
             looks: Some(self.knowledge.looks()),
             ways: ways.as_ref(),
@@ -425,7 +440,7 @@ impl Agent for SetMembershipAgent {
     fn handle_message(&mut self, now: SimTime, message: &Reception) {
         let bytes = &message.bytes[..];
         self.now = now;
-        match self.inbox.receive(self.step(), bytes, &self.held) {
+        match self.receive(bytes) {
             Ok(Received::Knowledge { from, p_world, fact }) => {
                 let is_uav = from.0 < self.config.fleet.count;
                 let known = self.last_facts.get(&from);
@@ -436,15 +451,15 @@ impl Agent for SetMembershipAgent {
             Ok(Received::Plan { from, incarnation, plan }) => {
                 match self.scheduler.on_plan(from, &plan) {
                     Ok(()) => {
-                        self.inbox.believe(from, incarnation);
+                        self.receiver.believe(from, incarnation);
                         // A station has no decision that waits for it.
                         self.update_due |= !self.config.is_station();
                     }
-                    Err(error) => self.reject(Some(from), &Rejection::Plan(error)),
+                    Err(error) => self.reject(Some(from), &error.into()),
                 }
             }
             Ok(Received::Repeat) => {}
-            Err(rejection) => self.reject(self.sender_of(bytes), &rejection),
+            Err(rejection) => self.reject(self.sender_of(bytes), &rejection.into()),
         }
     }
 

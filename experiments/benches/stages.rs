@@ -57,8 +57,8 @@ fn messages_and_fusion(group: &mut BenchmarkGroup<'_, WallTime>, moment: &Moment
         b.iter_batched_ref(outbox, |o| recorded::stage_say(o, moment), BatchSize::LargeInput);
     });
     group.bench_function("hear", |b| {
-        let inbox = || recorded::inbox(config);
-        b.iter_batched_ref(inbox, |i| recorded::stage_hear(i, moment), BatchSize::LargeInput);
+        let receiver = || recorded::receiver(config);
+        b.iter_batched_ref(receiver, |r| recorded::stage_hear(r, moment), BatchSize::LargeInput);
     });
     let estimator = Estimator::new(config);
     let mut with = |name: &str,

@@ -4,7 +4,6 @@
 //! | module | equations |
 //! |---|---|
 //! | [`state`] | the sets an agent holds |
-//! | [`settled`] | those sets between two updates, and what follows from them |
 //! | [`evidence`] | what frames prove, own and others', as of now |
 //! | `fuse` | (4.34)-(4.37): what others knew |
 //! | [`predict`] | (4.24)-(4.27) |
@@ -19,7 +18,6 @@ pub mod evidence;
 mod fuse;
 pub mod oem;
 pub mod predict;
-pub mod settled;
 pub mod state;
 
 use csat_proto::ids::{AgentId, TargetId};

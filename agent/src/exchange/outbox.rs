@@ -387,7 +387,6 @@ mod tests {
     use csat_proto::ids::AgentId;
 
     use crate::config::tests::default_config;
-    use crate::estimate::settled::Settled;
 
     /// Knowledge of a map in which no two neighbouring cells are the same.
     fn chequered(config: &AgentConfig) -> Knowledge {
@@ -407,10 +406,11 @@ mod tests {
         config.exchange.budget_bytes_s = 4000.0;
         config.exchange.snapshot_period_s = 1e6;
         let measured = Measured::nothing(config.raster_grid());
-        let knowledge = Settled::new(chequered(&config), Identity::default());
+        let knowledge = chequered(&config);
+        let hashes = knowledge.oem.block_hashes();
         let (mut outbox, mut repair) = (Outbox::new(&config), Repair::new(&config));
         outbox.next_snapshot = Step(u32::MAX);
-        repair.hold(Step(0), Vec::new(), knowledge.block_hashes());
+        repair.hold(Step(0), Vec::new(), &hashes);
         let lost = Knowledge::at_start(&config).oem.block_hashes().told_at(Step(0));
         let digest = Digest { facts: Vec::new(), oem: lost };
         repair.hear(Step(0), AgentId(1), Incarnation(0), Step(0), &digest);
@@ -424,7 +424,7 @@ mod tests {
                 measured: &measured,
                 changed: BTreeMap::new(),
                 knowledge: &knowledge,
-                held: repair.hold(step, Vec::new(), knowledge.block_hashes()),
+                held: repair.hold(step, Vec::new(), &hashes),
                 uavs: Vec::new(),
             };
             outbox.say_step(&account, &mut repair).expect("a fact fits");

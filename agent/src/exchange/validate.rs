@@ -12,9 +12,8 @@ use super::crossing::{self, Tangle};
 use super::held::LIVES;
 use crate::config::AgentConfig;
 use crate::estimate::oem::Oem;
-use crate::guidance::schedule::PlanError;
 
-/// Why a message or a frame was dropped.
+/// Why a message is not believed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Rejection {
     /// The envelope is damaged or foreign.
@@ -122,17 +121,6 @@ pub enum Rejection {
         /// The limit.
         max: usize,
     },
-    /// An own frame that is not of a later step than the one before.
-    #[error("frame of step {got} after that of step {last}")]
-    OldFrame {
-        /// Its step.
-        got: u32,
-        /// That of the last frame.
-        last: u32,
-    },
-    /// A flight plan that cannot be.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
 }
 
 impl Rejection {
@@ -159,8 +147,6 @@ impl Rejection {
             Self::Grid => "grid",
             Self::Cell { .. } => "cell",
             Self::Full { .. } => "full",
-            Self::OldFrame { .. } => "old-frame",
-            Self::Plan(_) => "plan",
         }
     }
 }
@@ -199,7 +185,7 @@ pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Mes
             check_fact(config, &snapshot.fact)?;
             check_known(config, &snapshot.known, body)?;
         }
-        // The scheduler checks plans: what is possible depends on the schedule.
+        // The scheduler of guidance checks plans: which plans are possible depends on the schedule.
         Message::Plan(_) => {}
     }
     Ok(message)

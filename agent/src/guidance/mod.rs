@@ -7,6 +7,7 @@
 //! | `shadow` | H^OEM(x^u), what the boxes of the OEM would hide |
 //! | [`criterion`] | what a criterion counts as seen, and its cost |
 //! | `looks` | what is seen from where, found once for all agents that know the same |
+//! | [`PlannerRasters`] | the sets that the planner reads, as rasters |
 //! | `nearest` | how far it is to the nearest part of X^Δ in the open |
 //! | [`rollout`] | prediction: poses and X^Δ, block by block |
 //! | `search` | the tree of yaw increments |
@@ -35,6 +36,7 @@ mod first_looks;
 mod footprint;
 mod looks;
 mod nearest;
+mod rasters;
 pub mod rollout;
 mod route;
 pub mod schedule;
@@ -49,6 +51,7 @@ use airspace::Ways;
 use beam::Beam;
 use criterion::{Sight, Terms, Weights};
 pub use looks::Looks;
+pub use rasters::PlannerRasters;
 use rollout::{Level, Meeting, Motion, Surroundings};
 use route::Route;
 use search::Search;

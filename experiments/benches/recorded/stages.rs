@@ -6,17 +6,16 @@
 
 use std::hint::black_box;
 
-use csat_agent::commons::Commons;
 use csat_agent::config::{AgentConfig, Criterion, ExchangeMode};
 use csat_agent::estimate::evidence::Heard;
-use csat_agent::estimate::settled::Coarse;
 use csat_agent::estimate::state::Knowledge;
 use csat_agent::estimate::{Changes, Estimator};
 use csat_agent::exchange::held::Held;
-use csat_agent::exchange::inbox::Inbox;
 use csat_agent::exchange::outbox::{Account, Outbox};
+use csat_agent::exchange::receiver::{CheckedMessage, Receiver};
 use csat_agent::exchange::repair::Repair;
-use csat_agent::guidance::{Decision, Looks, Picture, Planner};
+use csat_agent::guidance::{Decision, Looks, Picture, Planner, PlannerRasters};
+use csat_agent::identity::Identity;
 use csat_agent::sense::{Measured, Sensor};
 use csat_proto::frame::Frame;
 use csat_proto::message::Digest;
@@ -40,25 +39,25 @@ pub fn outbox(config: &AgentConfig) -> (Outbox, Repair) {
     (Outbox::new(&config), Repair::new(&config))
 }
 
-/// An inbox that has heard nobody.
-pub fn inbox(config: &AgentConfig) -> (Inbox, Held) {
-    (Inbox::new(config, Commons::default()), Held::new(config))
+/// A receiver without any message.
+pub fn receiver(config: &AgentConfig) -> (Receiver, Held) {
+    (Receiver::new(config), Held::new(config))
 }
 
 /// Passes of guidance as the agent does them: picture, then search.
 fn decide(planner: &mut Planner, moment: &Moment, passes: usize) -> Option<Decision> {
     let knowledge = &moment.fused;
     let unexplored = Raster::of_region(moment.config.raster_grid(), knowledge.unexplored.region());
-    let coarse = Coarse::of(knowledge, unexplored);
+    let rasters = PlannerRasters::of(knowledge, unexplored);
     let neighbours_hidden_now: Vec<Option<&Raster>> =
         moment.neighbours_hidden.iter().map(Some).collect();
     let looks = Looks::default();
     let picture = Picture {
-        wanted: &coarse.wanted,
-        margin: &coarse.margin,
+        wanted: &rasters.wanted,
+        margin: &rasters.margin,
         hidden_now: &moment.measured.hidden,
         neighbours_hidden_now: &neighbours_hidden_now,
-        hidden_recent: &coarse.hidden_recently,
+        hidden_recent: &rasters.hidden_recently,
         oem: &knowledge.oem,
         looks: Some(&looks),
         ways: None,
@@ -115,9 +114,12 @@ pub fn stage_say((outbox, repair): &mut (Outbox, Repair), moment: &Moment) {
 
 /// Decodes and validates everything that the neighbours said in this step.
 #[inline(never)]
-pub fn stage_hear((inbox, held): &mut (Inbox, Held), moment: &Moment) {
+pub fn stage_hear((receiver, held): &mut (Receiver, Held), moment: &Moment) {
     for bytes in &moment.heard {
-        black_box(inbox.receive(moment.before.step, bytes, held).expect("an agent's own message"));
+        let identity = Identity::of(bytes);
+        let message = CheckedMessage::decode(&moment.config, moment.before.step, identity, bytes);
+        let received = message.and_then(|message| receiver.receive(&message, held));
+        black_box(received.expect("an agent's own message"));
     }
 }
 

@@ -3,10 +3,12 @@
 mod documents;
 pub mod report;
 
+use std::sync::Arc;
+
 use csat_agent::agent::{Event, SetMembershipAgent};
-use csat_agent::commons::Commons;
 use csat_agent::config::AgentConfig;
 use csat_agent::mutant::{Mutant, is_on};
+use csat_agent::shared_cache::SharedCache;
 use csat_proto::camera::CameraModel;
 use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
 use csat_proto::time::Step;
@@ -23,19 +25,19 @@ use report::Report;
 #[derive(Debug, Clone)]
 pub struct SetMembership {
     config: AgentConfig,
-    /// `None` if every agent is to work everything out by itself.
-    commons: Option<Commons>,
+    /// What the agents share; `None` if every agent computes everything itself.
+    cache: Option<Arc<SharedCache>>,
 }
 
 impl SetMembership {
     /// The mission that `scenario` describes.
     pub fn new(scenario: &Scenario) -> Self {
-        Self { config: agent_config(scenario), commons: Some(Commons::default()) }
+        Self { config: agent_config(scenario), cache: Some(Arc::default()) }
     }
 
     /// The same with agents that share no work: the results are the same, too.
     pub fn each_by_itself(self) -> Self {
-        Self { commons: None, ..self }
+        Self { cache: None, ..self }
     }
 }
 
@@ -64,7 +66,7 @@ impl Mission for SetMembership {
 
     fn agent(&self, id: AgentId, incarnation: Incarnation) -> SetMembershipAgent {
         let config = AgentConfig { id, incarnation, ..self.config.clone() };
-        SetMembershipAgent::sharing(&config, self.commons.clone().unwrap_or_default())
+        SetMembershipAgent::with_cache(&config, self.cache.clone().unwrap_or_default())
     }
 
     fn camera(&self, id: AgentId) -> Option<CameraModel> {
