@@ -6,7 +6,6 @@
 //! others said, and, every T_MPC, guidance decides. Applied together and in one order, the same news
 //! make the same sets in every agent.
 
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
@@ -20,7 +19,6 @@ use csat_proto::message::{Digest, Fact, Plan};
 use csat_proto::radio::Reception;
 use csat_proto::raster::Raster;
 use csat_proto::time::{SimTime, Step};
-use serde::{Deserialize, Serialize};
 use tracing::info_span;
 
 use crate::config::{AgentConfig, ExchangeMode};
@@ -40,48 +38,16 @@ use crate::mutant::{Mutant, is_on};
 use crate::sense::{Measured, Sensor};
 use crate::settled::SettledKnowledge;
 use crate::shared_cache::SharedCache;
-use drop_reason::DropReason;
+use own_frame::OwnFrame;
 
-pub mod drop_reason;
+mod drop_reason;
+mod event;
+mod own_frame;
+mod timer;
 
-/// What an agent reports to whoever observes it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "event", rename_all = "kebab-case")]
-pub enum Event {
-    /// A target is known of for the first time.
-    Identified {
-        /// The agent's step.
-        step: Step,
-        /// j.
-        target: TargetId,
-        /// Whether another agent saw it.
-        by_others: bool,
-    },
-    /// A target's set became empty and was restarted: an assumption failed or somebody lied.
-    Inconsistent {
-        /// The agent's step.
-        step: Step,
-        /// j.
-        target: TargetId,
-    },
-    /// No increment is known to keep clear of buildings, nor was one before: the UAV flies what keeps
-    /// clear longest of where one may stand. Said when it begins.
-    NoWayOut {
-        /// The step of the decision.
-        step: Step,
-    },
-    /// A message or an own frame was dropped, for a reason not yet reported of its sender.
-    Rejected {
-        /// The agent's step.
-        step: Step,
-        /// The sender; `None` for a frame, and where a message is too damaged to tell.
-        from: Option<AgentId>,
-        /// Short name of the reason.
-        reason: Cow<'static, str>,
-        /// What was wrong, with values.
-        detail: String,
-    },
-}
+pub use drop_reason::DropReason;
+pub use event::Event;
+pub use timer::Timer;
 
 /// One UAV or ground station of the set-membership mission.
 #[derive(Debug, Clone)]
@@ -105,10 +71,7 @@ pub struct SetMembershipAgent {
     planned: Vec<Pose>,
     /// The heading last commanded, which the vehicle flies or turns to.
     commanded_yaw_rad: Option<f64>,
-    /// What the last frame proved.
-    measured: Option<Measured>,
-    /// The step of that frame and what was said of it, until it is applied.
-    frame: Option<(Step, Option<Said>)>,
+    own_frame: OwnFrame,
     /// The newest fact of each neighbour, and where it told it, `world`, metres.
     last_facts: BTreeMap<AgentId, (Arc<Fact>, [f64; 2])>,
     rejected: BTreeMap<&'static str, u64>,
@@ -117,9 +80,8 @@ pub struct SetMembershipAgent {
     commands: VecDeque<YawCommand>,
     events: VecDeque<Event>,
     now: SimTime,
-    /// A frame or a plan came since the last [`Agent::handle_timeout`]. What others know can wait for
-    /// the next frame: applied one by one it would cost as much as everything at once.
-    update_due: bool,
+    /// A plan of another UAV came since the last [`Agent::handle_timeout`].
+    plan_arrived: bool,
 }
 
 impl SetMembershipAgent {
@@ -146,18 +108,17 @@ impl SetMembershipAgent {
             cache,
             outbox: Outbox::new(config),
             repair: Repair::new(config),
-            frame: None,
+            own_frame: OwnFrame::default(),
             pose: Pose::default(),
             planned: Vec::new(),
             commanded_yaw_rad: None,
-            measured: None,
             last_facts: BTreeMap::new(),
             rejected: BTreeMap::new(),
             reported: BTreeSet::new(),
             commands: VecDeque::new(),
             events: VecDeque::new(),
             now: SimTime(0),
-            update_due: false,
+            plan_arrived: false,
             config: config.clone(),
         }
     }
@@ -174,7 +135,7 @@ impl SetMembershipAgent {
 
     /// What its last frame proved; `None` before the first one, and of a ground station.
     pub fn measured(&self) -> Option<&Measured> {
-        self.measured.as_ref().filter(|_| !self.config.is_station())
+        self.own_frame.measured().filter(|_| !self.config.is_station())
     }
 
     /// How old the newest frame of another UAV is that this agent heard of from that UAV, mean over the
@@ -220,20 +181,30 @@ impl SetMembershipAgent {
         self.planner.predicted_hidden(&self.knowledge.oem, &self.pose)
     }
 
+    /// When the agent next wants [`Agent::handle_timeout`], and why; `None` if it waits for nothing.
+    pub fn next_timer(&self) -> Option<(SimTime, Timer)> {
+        if self.own_frame.pending().is_some() {
+            Some((self.now, Timer::OwnFrame))
+        } else if self.plan_arrived {
+            Some((self.now, Timer::PlanArrived))
+        } else {
+            self.scheduler.next_deadline().map(|at| (at, Timer::PlanDeadline))
+        }
+    }
+
     /// The step of the last frame.
     fn step(&self) -> Step {
-        self.frame.map_or(self.knowledge.step, |(step, _)| step)
+        self.own_frame.pending().map_or(self.knowledge.step, |(step, _)| step)
     }
 
     /// Applies the own frame, if that is still to be done, and what was heard.
     fn update(&mut self) {
         let step = self.step();
-        let frame = self.frame.take();
-        if frame.is_none() && !self.receiver.has_due(step) {
+        if self.own_frame.pending().is_none() && !self.receiver.has_due(step) {
             return;
         }
         let heard = self.receiver.take_due(step);
-        if let Some((_, Some(_))) = frame {
+        if self.own_frame.pending_said().is_some() {
             let number = self.outbox.facts_said() - 1;
             self.held.apply(self.config.id, self.config.incarnation, number);
         }
@@ -248,24 +219,26 @@ impl SetMembershipAgent {
             }
             self.repair.hear(step, h.src, h.incarnation, h.fact.step, &h.fact.held);
         }
-        let own = self.measured.as_ref().filter(|_| frame.is_some()).map(|m| (step, m));
-        let lineage = self.lineage(frame, &heard);
+        let own = self.own_frame.pending();
+        let lineage = self.lineage(&heard);
         let (knowledge, changes) = self.cache.updated(step, lineage, || {
             let mut knowledge = Knowledge::clone(&self.knowledge);
             let changes = self.estimator.update(&mut knowledge, own, heard.clone());
             (knowledge, changes)
         });
         self.knowledge = knowledge;
+        self.own_frame.set_applied();
         self.report(&changes);
     }
 
     /// What the knowledge will be made of: all so far, the own frame and all that was heard.
     ///
     /// Who told a frame in full knows the same as who heard of it, unless clocks may differ.
-    fn lineage(&self, frame: Option<(Step, Option<Said>)>, heard: &[Heard]) -> Identity {
+    fn lineage(&self, heard: &[Heard]) -> Identity {
         let AgentConfig { id, incarnation, exchange, .. } = &self.config;
         let told = |said: &Said| said.in_full && exchange.clock_skew_s == 0.0;
-        let own = frame.and_then(|(step, said)| match said.filter(told) {
+        let step = self.own_frame.pending().map(|(step, _)| step);
+        let own = step.and_then(|step| match self.own_frame.pending_said().filter(told) {
             Some(said) => Some(said.identity),
             // What proves nothing need not be known.
             None if self.config.is_station() => None,
@@ -274,14 +247,15 @@ impl SetMembershipAgent {
         let mut news: Vec<Identity> =
             own.into_iter().chain(heard.iter().map(|h| h.identity)).collect();
         news.sort_unstable();
-        let frame = frame.map_or(0, |(step, _)| u128::from(step.0) + 1);
+        let frame = step.map_or(0, |step| u128::from(step.0) + 1);
         let news = news.into_iter().map(Identity::bits);
         Identity::of_all([self.knowledge.lineage().bits(), frame].into_iter().chain(news))
     }
 
     fn report(&mut self, changes: &Changes) {
         let step = self.knowledge.step;
-        let own = self.measured.iter().flat_map(|m| &m.targets).map(|seen| seen.target);
+        let own =
+            self.own_frame.measured().into_iter().flat_map(|m| &m.targets).map(|seen| seen.target);
         let own: Vec<TargetId> = own.collect();
         let identified = changes.identified.iter().map(|&target| Event::Identified {
             step,
@@ -336,11 +310,10 @@ impl SetMembershipAgent {
     ) {
         self.now = now;
         let last = self.step();
-        if self.measured.is_some() && step <= last {
+        if self.own_frame.measured().is_some() && step <= last {
             // What it shows is of then, and would be believed of now.
             return self.reject(None, &DropReason::OldFrame { got: step.0, last: last.0 });
         }
-        self.update_due = true;
         self.pose = pose;
         // The frame before was never followed by a timeout: whoever drives this is late.
         self.update();
@@ -363,8 +336,7 @@ impl SetMembershipAgent {
             uavs: self.fleet(),
         };
         let said = self.outbox.say_step(&account, &mut self.repair);
-        self.measured = Some(measured);
-        self.frame = Some((step, said));
+        self.own_frame = OwnFrame::new(step, measured, said);
         self.scheduler.on_frame(now, step);
     }
 
@@ -405,7 +377,7 @@ impl SetMembershipAgent {
         let picture = Picture {
             wanted: &rasters.wanted,
             margin: &rasters.margin,
-            hidden_now: self.measured.as_ref().map_or(&nothing, |m| &m.hidden),
+            hidden_now: self.own_frame.measured().map_or(&nothing, |m| &m.hidden),
             neighbours_hidden_now: &neighbours_hidden_now,
             hidden_recent: &rasters.hidden_recently,
             oem,
@@ -453,7 +425,7 @@ impl Agent for SetMembershipAgent {
                     Ok(()) => {
                         self.receiver.believe(from, incarnation);
                         // A station has no decision that waits for it.
-                        self.update_due |= !self.config.is_station();
+                        self.plan_arrived |= !self.config.is_station();
                     }
                     Err(error) => self.reject(Some(from), &error.into()),
                 }
@@ -465,7 +437,7 @@ impl Agent for SetMembershipAgent {
 
     fn handle_timeout(&mut self, now: SimTime) {
         self.now = now;
-        self.update_due = false;
+        self.plan_arrived = false;
         self.update();
         self.scheduler.on_timeout(now);
         while let Some(pass) = self.scheduler.ready() {
@@ -479,10 +451,10 @@ impl Agent for SetMembershipAgent {
 
     fn answer(&mut self, now: SimTime) -> Option<Transmit> {
         // A frame that is measured but not applied is not in the knowledge yet.
-        if self.frame.is_some() || self.config.exchange.mode == ExchangeMode::None {
+        if self.own_frame.pending().is_some() || self.config.exchange.mode == ExchangeMode::None {
             return None;
         }
-        let (held, hidden) = (self.held.facts(), self.measured.as_ref()?.hidden.clone());
+        let (held, hidden) = (self.held.facts(), self.own_frame.measured()?.hidden.clone());
         self.outbox.answer(now, self.pose, &self.knowledge, held, hidden)
     }
 
@@ -495,7 +467,7 @@ impl Agent for SetMembershipAgent {
     }
 
     fn poll_timeout(&self) -> Option<SimTime> {
-        if self.update_due { Some(self.now) } else { self.scheduler.next_deadline() }
+        self.next_timer().map(|(at, _)| at)
     }
 
     fn digest(&self) -> u64 {

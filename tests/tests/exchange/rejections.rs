@@ -1,7 +1,6 @@
 //! Everything that is not believed is dropped, counted by reason, reported once, and changes nothing.
 
-use csat_agent::agent::drop_reason::DropReason;
-use csat_agent::agent::{Event, SetMembershipAgent};
+use csat_agent::agent::{DropReason, Event, SetMembershipAgent};
 use csat_agent::exchange::validate::Rejection;
 use csat_proto::agent::{Agent, MAX_MESSAGE_BYTES};
 use csat_proto::envelope::{Envelope, EnvelopeError};
