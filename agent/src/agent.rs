@@ -22,17 +22,17 @@ use csat_proto::time::{SimTime, Step};
 use tracing::info_span;
 
 use crate::config::{AgentConfig, ExchangeMode};
-use crate::estimate::evidence::Heard;
+use crate::estimate::evidence::ReceivedFact;
 use crate::estimate::state::Knowledge;
 use crate::estimate::{Changes, Estimator};
-use crate::exchange::held::Held;
-use crate::exchange::outbox::{Account, Outbox, Said};
 use crate::exchange::receiver::{CheckedMessage, Received, Receiver};
 use crate::exchange::repair::Repair;
+use crate::exchange::transmitter::{SentFact, StepContent, Transmitter};
 use crate::exchange::validate::Rejection;
+use crate::exchange::version_vector::VersionVector;
 use crate::guidance::airspace::{Airspace, WayOut};
 use crate::guidance::schedule::{Pass, Scheduler};
-use crate::guidance::{Decision, Picture, Planner};
+use crate::guidance::{Decision, Planner, PlannerInput};
 use crate::identity::Identity;
 use crate::mutant::{Mutant, is_on};
 use crate::sense::{Measured, Sensor};
@@ -62,9 +62,9 @@ pub struct SetMembershipAgent {
     scheduler: Scheduler,
     knowledge: Arc<SettledKnowledge>,
     /// Which facts the knowledge contains.
-    held: Held,
+    version_vector: VersionVector,
     receiver: Receiver,
-    outbox: Outbox,
+    transmitter: Transmitter,
     repair: Repair,
     pose: Pose,
     /// What the last decision intends, (5.35).
@@ -103,10 +103,10 @@ impl SetMembershipAgent {
                 Knowledge::at_start(config),
                 Identity::default(),
             )),
-            held: Held::new(config),
+            version_vector: VersionVector::new(config),
             receiver: Receiver::new(config),
             cache,
-            outbox: Outbox::new(config),
+            transmitter: Transmitter::new(config),
             repair: Repair::new(config),
             own_frame: OwnFrame::default(),
             pose: Pose::default(),
@@ -170,7 +170,7 @@ impl SetMembershipAgent {
 
     /// How many steps it did not tell of because nothing fitted its budget.
     pub fn withheld(&self) -> u64 {
-        self.outbox.withheld()
+        self.transmitter.withheld()
     }
 
     /// H^OEM(x^u) ∩ F(x^u) at the pose of the last frame, for (5.45); empty without a camera.
@@ -205,16 +205,16 @@ impl SetMembershipAgent {
         }
         let heard = self.receiver.take_due(step);
         if self.own_frame.pending_said().is_some() {
-            let number = self.outbox.facts_said() - 1;
-            self.held.apply(self.config.id, self.config.incarnation, number);
+            let number = self.transmitter.facts_said() - 1;
+            self.version_vector.apply(self.config.id, self.config.incarnation, number);
         }
         for h in &heard {
             // The fact that an answer is numbered by is among those that it lists.
             if !h.is_answer {
-                self.held.apply(h.src, h.incarnation, h.fact.number);
+                self.version_vector.apply(h.src, h.incarnation, h.fact.number);
             }
             if h.known.is_some() || is_on(Mutant::ClaimsWhatOthersHold) {
-                self.held.adopt(&h.fact.held.facts);
+                self.version_vector.adopt(&h.fact.held.facts);
                 self.repair.snapshot_heard(step);
             }
             self.repair.hear(step, h.src, h.incarnation, h.fact.step, &h.fact.held);
@@ -234,9 +234,9 @@ impl SetMembershipAgent {
     /// What the knowledge will be made of: all so far, the own frame and all that was heard.
     ///
     /// Who told a frame in full knows the same as who heard of it, unless clocks may differ.
-    fn lineage(&self, heard: &[Heard]) -> Identity {
+    fn lineage(&self, heard: &[ReceivedFact]) -> Identity {
         let AgentConfig { id, incarnation, exchange, .. } = &self.config;
-        let told = |said: &Said| said.in_full && exchange.clock_skew_s == 0.0;
+        let told = |said: &SentFact| said.in_full && exchange.clock_skew_s == 0.0;
         let step = self.own_frame.pending().map(|(step, _)| step);
         let own = step.and_then(|step| match self.own_frame.pending_said().filter(told) {
             Some(said) => Some(said.identity),
@@ -286,7 +286,7 @@ impl SetMembershipAgent {
         let identity = Identity::of(bytes);
         let check = || CheckedMessage::decode(config, now, identity, bytes);
         let message = self.cache.message(now, identity, check)?;
-        self.receiver.receive(&message, &self.held)
+        self.receiver.receive(&message, &self.version_vector)
     }
 
     fn reject(&mut self, from: Option<AgentId>, dropped: &DropReason) {
@@ -321,11 +321,11 @@ impl SetMembershipAgent {
         let held = match self.config.exchange.mode {
             ExchangeMode::FactsRepair => {
                 let map = self.knowledge.block_hashes();
-                self.repair.hold(step, self.held.facts(), map)
+                self.repair.hold(step, self.version_vector.facts(), map)
             }
             _ => Digest::default(),
         };
-        let account = Account {
+        let content = StepContent {
             now,
             step,
             pose,
@@ -335,7 +335,7 @@ impl SetMembershipAgent {
             held,
             uavs: self.fleet(),
         };
-        let said = self.outbox.say_step(&account, &mut self.repair);
+        let said = self.transmitter.say_step(&content, &mut self.repair);
         self.own_frame = OwnFrame::new(step, measured, said);
         self.scheduler.on_frame(now, step);
     }
@@ -349,7 +349,7 @@ impl SetMembershipAgent {
         let plan = Plan { step: pass.step, pass: pass.pass, poses: decision.poses };
         let last = self.scheduler.on_own_plan(&plan);
         if self.config.exchange.mode != ExchangeMode::None {
-            self.outbox.say_plan(self.now, self.pose, plan);
+            self.transmitter.say_plan(self.now, self.pose, plan);
         }
         if last {
             let is_lost = self.airspace.as_mut().is_some_and(|air| air.fly(pass.step, way_out));
@@ -374,17 +374,17 @@ impl SetMembershipAgent {
         let hidden_to = |id| self.last_facts.get(id).map(|(fact, _)| &fact.hidden);
         let neighbours_hidden_now: Vec<Option<&Raster>> =
             pass.neighbours.iter().map(hidden_to).collect();
-        let picture = Picture {
+        let input = PlannerInput {
             wanted: &rasters.wanted,
             margin: &rasters.margin,
             hidden_now: self.own_frame.measured().map_or(&nothing, |m| &m.hidden),
             neighbours_hidden_now: &neighbours_hidden_now,
             hidden_recent: &rasters.hidden_recently,
             oem,
-            looks: Some(self.knowledge.looks()),
+            view_cache: Some(self.knowledge.view_cache()),
             ways: ways.as_ref(),
         };
-        let decision = self.planner.plan(&picture, &pose, &pass.poses);
+        let decision = self.planner.plan(&input, &pose, &pass.poses);
         let first = decision.increments_rad.first();
         let way_out = first.zip(ways.as_ref()).and_then(|(first, ways)| ways.behind(*first));
         (decision, way_out)
@@ -446,7 +446,7 @@ impl Agent for SetMembershipAgent {
     }
 
     fn poll_transmit(&mut self) -> Option<Transmit> {
-        self.outbox.pop()
+        self.transmitter.pop()
     }
 
     fn answer(&mut self, now: SimTime) -> Option<Transmit> {
@@ -454,8 +454,9 @@ impl Agent for SetMembershipAgent {
         if self.own_frame.pending().is_some() || self.config.exchange.mode == ExchangeMode::None {
             return None;
         }
-        let (held, hidden) = (self.held.facts(), self.own_frame.measured()?.hidden.clone());
-        self.outbox.answer(now, self.pose, &self.knowledge, held, hidden)
+        let (held, hidden) =
+            (self.version_vector.facts(), self.own_frame.measured()?.hidden.clone());
+        self.transmitter.answer(now, self.pose, &self.knowledge, held, hidden)
     }
 
     fn poll_command(&mut self) -> Option<YawCommand> {

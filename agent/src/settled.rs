@@ -7,7 +7,7 @@ use csat_proto::raster::Raster;
 
 use crate::estimate::oem::BlockHashes;
 use crate::estimate::state::Knowledge;
-use crate::guidance::{Looks, PlannerRasters};
+use crate::guidance::{PlannerRasters, ViewCache};
 use crate::identity::Identity;
 
 /// Knowledge that does not change any more, and what follows from it, found when first asked for.
@@ -18,7 +18,7 @@ pub struct SettledKnowledge {
     lineage: Identity,
     unexplored_cells: OnceLock<Raster>,
     planner_rasters: OnceLock<PlannerRasters>,
-    looks: Looks,
+    view_cache: ViewCache,
     block_hashes: OnceLock<BlockHashes>,
     digest: OnceLock<u64>,
 }
@@ -31,7 +31,7 @@ impl SettledKnowledge {
             lineage,
             unexplored_cells: OnceLock::new(),
             planner_rasters: OnceLock::new(),
-            looks: Looks::default(),
+            view_cache: ViewCache::default(),
             block_hashes: OnceLock::new(),
             digest: OnceLock::new(),
         }
@@ -56,8 +56,8 @@ impl SettledKnowledge {
     }
 
     /// What is seen of its X^Δ from where in the world of its map, by the criterion of all who know this.
-    pub fn looks(&self) -> &Looks {
-        &self.looks
+    pub fn view_cache(&self) -> &ViewCache {
+        &self.view_cache
     }
 
     /// A hash of each block of its map.

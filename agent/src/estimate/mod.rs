@@ -26,7 +26,7 @@ use tracing::info_span;
 
 use crate::config::AgentConfig;
 use crate::sense::Measured;
-use evidence::{Ager, Evidence, Heard};
+use evidence::{Ager, Evidence, ReceivedFact};
 use predict::Predictor;
 use state::Knowledge;
 
@@ -61,7 +61,7 @@ impl Estimator {
         &self,
         knowledge: &mut Knowledge,
         own: Option<(Step, &Measured)>,
-        mut heard: Vec<Heard>,
+        mut heard: Vec<ReceivedFact>,
     ) -> Changes {
         let before: Vec<TargetId> = knowledge.targets.keys().copied().collect();
         heard.sort_by_key(|h| (h.fact.step, h.src, h.incarnation, h.fact.number, h.is_answer));
@@ -91,7 +91,7 @@ impl Estimator {
         &self,
         knowledge: &Knowledge,
         own: Option<&Measured>,
-        heard: &[Heard],
+        heard: &[ReceivedFact],
     ) -> Vec<Evidence> {
         let now = knowledge.step;
         let known = heard.iter().filter_map(|h| h.known.as_deref());
@@ -105,7 +105,7 @@ impl Estimator {
 }
 
 /// What is hidden, and what the map says: coarse, and without an order.
-fn look(knowledge: &mut Knowledge, own: Option<&Measured>, heard: &[Heard]) {
+fn look(knowledge: &mut Knowledge, own: Option<&Measured>, heard: &[ReceivedFact]) {
     let now = knowledge.step;
     if let Some(Measured { hidden, seen, oem, .. }) = own {
         knowledge.note_view(now, hidden, seen);

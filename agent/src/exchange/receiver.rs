@@ -9,10 +9,10 @@ use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::message::{Fact, Known, Message, Plan};
 use csat_proto::time::Step;
 
-use super::held::Held;
 use super::validate::{self, Rejection};
+use super::version_vector::VersionVector;
 use crate::config::AgentConfig;
-use crate::estimate::evidence::Heard;
+use crate::estimate::evidence::ReceivedFact;
 use crate::identity::Identity;
 use crate::mutant::{Mutant, is_on};
 
@@ -22,7 +22,7 @@ pub struct Receiver {
     config: AgentConfig,
     /// The newest incarnation of each agent of which a message was believed.
     incarnations: BTreeMap<AgentId, Incarnation>,
-    waiting: Vec<Heard>,
+    waiting: Vec<ReceivedFact>,
 }
 
 /// A message that passed the checks that are the same for every receiver at a step.
@@ -107,7 +107,7 @@ impl Receiver {
     pub fn receive(
         &mut self,
         message: &CheckedMessage,
-        held: &Held,
+        held: &VersionVector,
     ) -> Result<Received, Rejection> {
         let CheckedMessage { identity, src, incarnation, sequence, p_world, ref body } = *message;
         validate::check_sender(&self.config, src)?;
@@ -121,7 +121,7 @@ impl Receiver {
         };
         // An answer contains more than the fact whose number it has, so it is no repeat of that fact.
         let is_answer = sequence >= FIRST_ANSWER;
-        let is_same = |h: &Heard| {
+        let is_same = |h: &ReceivedFact| {
             let stamp = (h.src, h.incarnation, h.fact.number, h.known.is_some(), h.is_answer);
             stamp == (src, incarnation, fact.number, known.is_some(), is_answer)
         };
@@ -135,7 +135,7 @@ impl Receiver {
         }
         self.believe(src, incarnation);
         let received = Received::Knowledge { from: src, p_world, fact: fact.clone() };
-        self.waiting.push(Heard { src, incarnation, fact, known, is_answer, identity });
+        self.waiting.push(ReceivedFact { src, incarnation, fact, known, is_answer, identity });
         Ok(received)
     }
 
@@ -157,7 +157,7 @@ impl Receiver {
     }
 
     /// Takes all that can be applied at `now`; facts of later steps go on waiting.
-    pub fn take_due(&mut self, now: Step) -> Vec<Heard> {
+    pub fn take_due(&mut self, now: Step) -> Vec<ReceivedFact> {
         self.waiting.extract_if(.., |h| h.fact.step <= now).collect()
     }
 }

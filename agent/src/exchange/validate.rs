@@ -8,8 +8,8 @@ use csat_proto::raster::Raster;
 use csat_proto::region::{Region, to_units, twice_signed_area};
 use csat_proto::time::Step;
 
-use super::crossing::{self, Tangle};
-use super::held::LIVES;
+use super::crossing::{self, RingFault};
+use super::version_vector::MAX_INCARNATIONS;
 use crate::config::AgentConfig;
 use crate::estimate::oem::Oem;
 
@@ -257,7 +257,7 @@ fn check_known(config: &AgentConfig, known: &Known, frame: Step) -> Result<(), R
 fn check_digest(config: &AgentConfig, held: &Digest) -> Result<(), Rejection> {
     let (facts, blocks) = (held.facts.len(), held.oem.len());
     let agents = config.agents();
-    let fits = facts <= usize::from(agents) * LIVES
+    let fits = facts <= usize::from(agents) * MAX_INCARNATIONS
         && held.facts.is_sorted_by_key(|f| (f.origin, f.incarnation))
         && held.facts.iter().all(|f| f.origin.0 < agents)
         && (blocks == 0 || blocks == Oem::blocks(&config.oem_grid()));
@@ -290,8 +290,8 @@ fn check_regions<'a>(
             return Err(Rejection::Outside);
         }
         crossing::check(region).map_err(|tangle| match tangle {
-            Tangle::Crossing => Rejection::Crossing,
-            Tangle::TooDense => Rejection::Bundle,
+            RingFault::Crossing => Rejection::Crossing,
+            RingFault::TooDense => Rejection::Bundle,
         })?;
         for shape in region.shapes() {
             let wound = |(i, ring): (usize, &Vec<_>)| (twice_signed_area(ring) > 0) == (i == 0);

@@ -8,16 +8,16 @@
 //! | [`target`] | Target pixels of a detection | X^{t,m} (4.4), outer |
 //! | [`exclusion`] | X^{t,m} \\ C | X̲^t (4.17), inner |
 //! | [`obstacle`] | Obstacle pixels | S° (4.12), inner, and occupied cells (4.39) |
-//! | `glance` | Obstacle pixels | what they may add at most, in a hurry |
+//! | `pixel_bounds` | Obstacle pixels | bounds on what they may add, in single precision |
 //! | [`hidden`] | all labels | H^CVS (4.23), seen ground, empty cells (4.40) |
 
 pub mod clear;
 pub mod exclusion;
 mod foot;
-mod glance;
 pub mod hidden;
 pub mod obstacle;
 pub mod outline;
+mod pixel_bounds;
 pub mod pyramid;
 pub mod target;
 
