@@ -12,7 +12,7 @@ use csat_proto::ids::{AgentId, Incarnation, TargetId};
 use csat_proto::time::{SimTime, Step};
 use csat_world::radio::Buildings;
 use csat_world::target::TargetTruth;
-use csat_world::truth::{Knowledge, MessageCounts, Monitor, Violation};
+use csat_world::truth::{Admits, MessageCounts, Monitor, Violation};
 use csat_world::world::World;
 use serde::Serialize;
 use xxhash_rust::xxh3::Xxh3Default;
@@ -325,7 +325,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
     /// nothing.
     fn watch(&mut self, step: Step, flown: &[Flown<M>]) -> Vec<Violation> {
         struct Told<'a, M: Mission>(&'a M, &'a M::Report);
-        impl<M: Mission> Knowledge for Told<'_, M> {
+        impl<M: Mission> Admits for Told<'_, M> {
             fn admits(&self, target: TargetId, location: [f64; 2], tolerance_m: f64) -> bool {
                 self.0.admits(self.1, target, location, tolerance_m)
             }

@@ -1,5 +1,5 @@
-//! The monitor: checks from outside the agents, at every step of every run, that what the theory
-//! promises and what it presumes both hold (docs/concepts/guarantee.md).
+//! The monitor: it is outside the agents and checks, at every step of every run, that the guarantee and the
+//! assumptions of the theory hold (docs/concepts/guarantee.md).
 
 use std::collections::BTreeMap;
 
@@ -19,17 +19,17 @@ pub const GUARANTEE_TOLERANCE_M: f64 = 1e-3;
 /// Allowance for rounding in speeds, metres per check.
 const SPEED_TOLERANCE_M: f64 = 1e-9;
 
-/// Ways of UAVs are checked point by point, metres.
+/// Distance between the points at which the way of a UAV is checked, metres.
 const WAY_STEP_M: f64 = 0.5;
 
-/// What an agent knows, as far as the guarantee goes.
-pub trait Knowledge {
-    /// Whether what the agent knows admits that `target` is at `location` (`world`, metres) or
-    /// within `tolerance_m` of it: in X_ij if it knows the target, else in X̄_i.
+/// The knowledge of an agent, for the check of the guarantee.
+pub trait Admits {
+    /// Whether the knowledge of the agent admits that `target` is at `location` (`world`, metres) or within
+    /// `tolerance_m` of it: whether the location is in X_ij if the agent knows the target, else in X̄_i.
     fn admits(&self, target: TargetId, location: [f64; 2], tolerance_m: f64) -> bool;
 }
 
-/// How many messages there were so far, for the conservation law.
+/// Counts of messages so far, for the check of their conservation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct MessageCounts {
     /// Copies handed to the network, one per receiver.
@@ -38,9 +38,9 @@ pub struct MessageCounts {
     pub duplicated: u64,
     /// Copies that arrived.
     pub delivered: u64,
-    /// Copies dropped, for whatever reason.
+    /// Copies dropped, for any reason.
     pub dropped: u64,
-    /// Copies under way.
+    /// Copies in flight.
     pub in_flight: u64,
 }
 
@@ -57,13 +57,13 @@ impl MessageCounts {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Fault {
-    /// An agent has ruled out where a target is.
+    /// An agent has excluded the location of a target.
     Guarantee {
         /// The agent.
         agent: AgentId,
         /// The target.
         target: TargetId,
-        /// Where it is.
+        /// The location of the target.
         location: [f64; 2],
     },
     /// A target is too near to an obstacle (3.8).
@@ -72,20 +72,20 @@ pub enum Fault {
         target: TargetId,
         /// Index of the obstacle.
         obstacle: usize,
-        /// How far it is.
+        /// The distance.
         distance_m: f64,
-        /// What it has to exceed.
+        /// The distance that it has to exceed.
         limit_m: f64,
     },
     /// Two targets are too near to each other (3.11).
     TargetDistance {
-        /// The one.
+        /// One target.
         a: TargetId,
-        /// The other.
+        /// The other target.
         b: TargetId,
-        /// How far apart they are.
+        /// Their distance.
         distance_m: f64,
-        /// What that has to exceed.
+        /// The distance that it has to exceed.
         limit_m: f64,
     },
     /// A target left the region.
@@ -110,9 +110,9 @@ pub enum Fault {
         agent: AgentId,
         /// Index of the obstacle.
         obstacle: usize,
-        /// How far it is, over the ground; 0 inside.
+        /// The distance over the ground; 0 inside.
         distance_m: f64,
-        /// What it must not fall below.
+        /// The least distance allowed.
         limit_m: f64,
     },
     /// Messages appeared or disappeared.
@@ -131,7 +131,7 @@ pub struct Violation {
     pub fault: Fault,
 }
 
-/// A kind of promise that is checked; each [`Fault`] breaks one.
+/// A kind of promise that the monitor checks; each [`Fault`] breaks one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Promise {
@@ -165,7 +165,7 @@ impl Promise {
 }
 
 impl Fault {
-    /// What it breaks.
+    /// The promise that it breaks.
     pub fn promise(&self) -> Promise {
         match self {
             Self::Guarantee { .. } => Promise::Guarantee,
@@ -188,7 +188,7 @@ pub struct Checked {
     pub violations: u64,
 }
 
-/// What was checked so far, by promise; a promise that was never checked is not there.
+/// What was checked so far, by promise, without promises that were never checked.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct CheckCounts(BTreeMap<Promise, Checked>);
 
@@ -212,16 +212,16 @@ impl CheckCounts {
     }
 }
 
-/// Watches one run.
+/// Checks one run.
 #[derive(Debug, Clone)]
 pub struct Monitor {
     ground: Ground,
     model: TargetsModel,
     period_s: f64,
     walls: Walls,
-    /// The last step checked, and every target then.
+    /// The last step checked, and all targets at that step.
     previous: Option<(Step, Vec<TargetTruth>)>,
-    /// Where every UAV was when that was last checked.
+    /// The pose of every UAV at the last check of the flights.
     flown_from: Vec<Pose>,
     counts: CheckCounts,
     unchecked: u64,
@@ -236,14 +236,14 @@ impl Monitor {
         Self { ground, model, period_s, walls, previous: None, flown_from, counts, unchecked: 0 }
     }
 
-    /// Checks step k: the separations, the region and the speeds of all targets, and that every
-    /// agent admits every target where it is. Agents are indexed as in `agents`.
+    /// Checks step k: the separations, the region and the speeds of all targets, and that every agent admits
+    /// the location of every target. Agents are indexed as in `agents`.
     ///
-    /// A value that is not a number violates whatever it takes part in.
+    /// A value that is not a number violates every check that uses it.
     pub fn check(
         &mut self,
         step: Step,
-        agents: &[&dyn Knowledge],
+        agents: &[&dyn Admits],
         targets: &[TargetTruth],
     ) -> Vec<Violation> {
         let mut faults = Vec::new();
@@ -261,13 +261,13 @@ impl Monitor {
         self.record(step, faults)
     }
 
-    /// Checks what one agent knew at step k, when targets were where `targets` says: for reports that
-    /// come late, after [`Self::check`] has checked that step without them.
+    /// Checks the knowledge of one agent at step k against `targets` of that step. It is for reports that
+    /// come after [`Self::check`] has checked the step without them.
     pub fn check_agent(
         &mut self,
         step: Step,
         agent: AgentId,
-        knowledge: &dyn Knowledge,
+        knowledge: &dyn Admits,
         targets: &[TargetTruth],
     ) -> Vec<Violation> {
         let mut faults = Vec::new();
@@ -277,14 +277,14 @@ impl Monitor {
         self.record(step, faults)
     }
 
-    /// Takes note of an agent's report that could not be checked, because it came after the truth of
-    /// its step was forgotten.
+    /// Counts a report of an agent that could not be checked, because the truth of its step is no longer
+    /// kept.
     pub fn miss_agent(&mut self) {
         self.unchecked += 1;
     }
 
-    /// Checks that no UAV is nearer to a building than [`FLIGHT_CLEARANCE_M`], over it or beside it, and
-    /// none was on the straight way from where it was at the last check. `poses` by agent.
+    /// Checks that no UAV is nearer to a building than [`FLIGHT_CLEARANCE_M`], over it or beside it, and that
+    /// none was on the straight way from its pose at the last check. `poses` are by agent.
     pub fn check_flights(&mut self, step: Step, poses: &[Pose]) -> Vec<Violation> {
         let mut faults = Vec::new();
         for (index, pose) in poses.iter().enumerate() {
@@ -302,12 +302,12 @@ impl Monitor {
         self.record(step, faults)
     }
 
-    /// The obstacle that a UAV comes nearest to, too near, on its way between two poses, and its
+    /// Of the obstacles that a UAV comes too near to on its way between two poses, the nearest one and its
     /// distance.
     fn nearest_on_way(&self, from: &Pose, to: &Pose) -> Option<(usize, f64)> {
         let [a, b] = [from, to].map(|pose| [pose.p_world[0], pose.p_world[1]]);
         let floor_m = from.p_world[2].min(to.p_world[2]) - FLIGHT_CLEARANCE_M;
-        // A way of any length costs no more than this.
+        // This bounds the work for a way of any length.
         let parts = (distance_m(a, b) / WAY_STEP_M).ceil().clamp(1.0, 100.0);
         (0..=parts as u32)
             .filter_map(|i| {
@@ -338,7 +338,7 @@ impl Monitor {
         self.unchecked
     }
 
-    /// Takes note of a check about to be made.
+    /// Counts a check of a promise.
     fn count(&mut self, promise: Promise) {
         self.counts.0.entry(promise).or_default().checks += 1;
     }
@@ -353,7 +353,7 @@ impl Monitor {
     fn check_knowledge(
         &mut self,
         agent: AgentId,
-        knowledge: &dyn Knowledge,
+        knowledge: &dyn Admits,
         target: &TargetTruth,
         faults: &mut Vec<Fault>,
     ) {

@@ -3,7 +3,7 @@ use geo::polygon;
 
 struct Disc([f64; 2], f64);
 
-impl Knowledge for Disc {
+impl Admits for Disc {
     fn admits(&self, _: TargetId, location: [f64; 2], tolerance_m: f64) -> bool {
         distance_m(self.0, location) <= self.1 + tolerance_m
     }
@@ -56,7 +56,7 @@ fn the_guarantee_is_checked_for_every_agent_and_target() {
     };
     assert_eq!(violations, [expected(1), expected(2)]);
     assert_eq!(monitor.counts().of(Promise::Guarantee), Checked { checks: 2 * 3, violations: 2 });
-    // One millimetre and no more.
+    // The tolerance is one millimetre.
     let violations = monitor.check(Step(7), &[&near], &[at(0, -30.0, 1.001_1)]);
     assert_eq!(violations.len(), 2, "guarantee and speed: {violations:?}");
 }
@@ -108,7 +108,7 @@ fn messages_are_conserved() {
     assert_eq!(json["fault"]["counts"]["sent"], 10);
 }
 
-/// Over a roof, beside it and through it, also between two checks.
+/// Flights over a roof, beside it and through it, also between two checks.
 #[test]
 fn uavs_keep_their_clearance_from_buildings() {
     let at = |x: f64, y: f64, z: f64| Pose::level([x, y, z], 0.0);
