@@ -6,7 +6,6 @@
 //! others said, and, every T_MPC, guidance decides. Applied together and in one order, the same news
 //! make the same sets in every agent.
 
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
@@ -20,92 +19,59 @@ use csat_proto::message::{Digest, Fact, Plan};
 use csat_proto::radio::Reception;
 use csat_proto::raster::Raster;
 use csat_proto::time::{SimTime, Step};
-use serde::{Deserialize, Serialize};
 use tracing::info_span;
 
-use crate::commons::Commons;
 use crate::config::{AgentConfig, ExchangeMode};
-use crate::estimate::evidence::Heard;
-use crate::estimate::settled::Settled;
+use crate::estimate::evidence::ReceivedFact;
 use crate::estimate::state::Knowledge;
 use crate::estimate::{Changes, Estimator};
-use crate::exchange::held::Held;
-use crate::exchange::inbox::{Inbox, Received};
-use crate::exchange::outbox::{Account, Outbox, Said};
+use crate::exchange::receiver::{CheckedMessage, Received, Receiver};
 use crate::exchange::repair::Repair;
+use crate::exchange::transmitter::{SentFact, StepContent, Transmitter};
 use crate::exchange::validate::Rejection;
+use crate::exchange::version_vector::VersionVector;
 use crate::guidance::airspace::{Airspace, WayOut};
 use crate::guidance::schedule::{Pass, Scheduler};
-use crate::guidance::{Decision, Picture, Planner};
+use crate::guidance::{Decision, Planner, PlannerInput};
 use crate::identity::Identity;
 use crate::mutant::{Mutant, is_on};
 use crate::sense::{Measured, Sensor};
+use crate::settled::SettledKnowledge;
+use crate::shared_cache::SharedCache;
+use own_frame::OwnFrame;
 
-/// What an agent reports to whoever observes it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "event", rename_all = "kebab-case")]
-pub enum Event {
-    /// A target is known of for the first time.
-    Identified {
-        /// The agent's step.
-        step: Step,
-        /// j.
-        target: TargetId,
-        /// Whether another agent saw it.
-        by_others: bool,
-    },
-    /// A target's set became empty and was restarted: an assumption failed or somebody lied.
-    Inconsistent {
-        /// The agent's step.
-        step: Step,
-        /// j.
-        target: TargetId,
-    },
-    /// No increment is known to keep clear of buildings, nor was one before: the UAV flies what keeps
-    /// clear longest of where one may stand. Said when it begins.
-    NoWayOut {
-        /// The step of the decision.
-        step: Step,
-    },
-    /// A message or an own frame was dropped, for a reason not yet reported of its sender.
-    Rejected {
-        /// The agent's step.
-        step: Step,
-        /// The sender; `None` for a frame, and where a message is too damaged to tell.
-        from: Option<AgentId>,
-        /// Short name of the reason.
-        reason: Cow<'static, str>,
-        /// What was wrong, with values.
-        detail: String,
-    },
-}
+mod drop_reason;
+mod event;
+mod own_frame;
+mod timer;
+
+pub use drop_reason::DropReason;
+pub use event::Event;
+pub use timer::Timer;
 
 /// One UAV or ground station of the set-membership mission.
 #[derive(Debug, Clone)]
 pub struct SetMembershipAgent {
     config: AgentConfig,
-    commons: Commons,
+    cache: Arc<SharedCache>,
     sensor: Sensor,
     estimator: Estimator,
     planner: Planner,
     /// Where buildings may be higher than the flights.
     airspace: Option<Airspace>,
     scheduler: Scheduler,
-    knowledge: Arc<Settled>,
+    knowledge: Arc<SettledKnowledge>,
     /// Which facts the knowledge contains.
-    held: Held,
-    inbox: Inbox,
-    outbox: Outbox,
+    version_vector: VersionVector,
+    receiver: Receiver,
+    transmitter: Transmitter,
     repair: Repair,
     pose: Pose,
     /// What the last decision intends, (5.35).
     planned: Vec<Pose>,
     /// The heading last commanded, which the vehicle flies or turns to.
     commanded_yaw_rad: Option<f64>,
-    /// What the last frame proved.
-    measured: Option<Measured>,
-    /// The step of that frame and what was said of it, until it is applied.
-    frame: Option<(Step, Option<Said>)>,
+    own_frame: OwnFrame,
     /// The newest fact of each neighbour, and where it told it, `world`, metres.
     last_facts: BTreeMap<AgentId, (Arc<Fact>, [f64; 2])>,
     rejected: BTreeMap<&'static str, u64>,
@@ -114,44 +80,45 @@ pub struct SetMembershipAgent {
     commands: VecDeque<YawCommand>,
     events: VecDeque<Event>,
     now: SimTime,
-    /// A frame or a plan came since the last [`Agent::handle_timeout`]. What others know can wait for
-    /// the next frame: applied one by one it would cost as much as everything at once.
-    update_due: bool,
+    /// A plan of another UAV came since the last [`Agent::handle_timeout`].
+    plan_arrived: bool,
 }
 
 impl SetMembershipAgent {
     /// An agent that knows nothing but its configuration.
     pub fn new(config: &AgentConfig) -> Self {
-        Self::sharing(config, Commons::default())
+        Self::with_cache(config, Arc::default())
     }
 
-    /// The same, as one of several in a process, all of the same configuration but for `id` and
-    /// `incarnation`.
-    pub fn sharing(config: &AgentConfig, commons: Commons) -> Self {
+    /// The same, as one of several agents in a process that share `cache`; their configurations must
+    /// differ in `id` and `incarnation` only.
+    pub fn with_cache(config: &AgentConfig, cache: Arc<SharedCache>) -> Self {
         Self {
             sensor: Sensor::new(config),
             estimator: Estimator::new(config),
             planner: Planner::new(config),
             airspace: Airspace::new(config),
             scheduler: Scheduler::new(config),
-            knowledge: Arc::new(Settled::new(Knowledge::at_start(config), Identity::default())),
-            held: Held::new(config),
-            inbox: Inbox::new(config, commons.clone()),
-            commons,
-            outbox: Outbox::new(config),
+            knowledge: Arc::new(SettledKnowledge::new(
+                Knowledge::at_start(config),
+                Identity::default(),
+            )),
+            version_vector: VersionVector::new(config),
+            receiver: Receiver::new(config),
+            cache,
+            transmitter: Transmitter::new(config),
             repair: Repair::new(config),
-            frame: None,
+            own_frame: OwnFrame::default(),
             pose: Pose::default(),
             planned: Vec::new(),
             commanded_yaw_rad: None,
-            measured: None,
             last_facts: BTreeMap::new(),
             rejected: BTreeMap::new(),
             reported: BTreeSet::new(),
             commands: VecDeque::new(),
             events: VecDeque::new(),
             now: SimTime(0),
-            update_due: false,
+            plan_arrived: false,
             config: config.clone(),
         }
     }
@@ -162,13 +129,13 @@ impl SetMembershipAgent {
     }
 
     /// What the agent knows.
-    pub fn knowledge(&self) -> &Settled {
+    pub fn knowledge(&self) -> &SettledKnowledge {
         &self.knowledge
     }
 
     /// What its last frame proved; `None` before the first one, and of a ground station.
     pub fn measured(&self) -> Option<&Measured> {
-        self.measured.as_ref().filter(|_| !self.config.is_station())
+        self.own_frame.measured().filter(|_| !self.config.is_station())
     }
 
     /// How old the newest frame of another UAV is that this agent heard of from that UAV, mean over the
@@ -203,7 +170,7 @@ impl SetMembershipAgent {
 
     /// How many steps it did not tell of because nothing fitted its budget.
     pub fn withheld(&self) -> u64 {
-        self.outbox.withheld()
+        self.transmitter.withheld()
     }
 
     /// H^OEM(x^u) ∩ F(x^u) at the pose of the last frame, for (5.45); empty without a camera.
@@ -214,52 +181,64 @@ impl SetMembershipAgent {
         self.planner.predicted_hidden(&self.knowledge.oem, &self.pose)
     }
 
+    /// When the agent next wants [`Agent::handle_timeout`], and why; `None` if it waits for nothing.
+    pub fn next_timer(&self) -> Option<(SimTime, Timer)> {
+        if self.own_frame.pending().is_some() {
+            Some((self.now, Timer::OwnFrame))
+        } else if self.plan_arrived {
+            Some((self.now, Timer::PlanArrived))
+        } else {
+            self.scheduler.next_deadline().map(|at| (at, Timer::PlanDeadline))
+        }
+    }
+
     /// The step of the last frame.
     fn step(&self) -> Step {
-        self.frame.map_or(self.knowledge.step, |(step, _)| step)
+        self.own_frame.pending().map_or(self.knowledge.step, |(step, _)| step)
     }
 
     /// Applies the own frame, if that is still to be done, and what was heard.
     fn update(&mut self) {
         let step = self.step();
-        let frame = self.frame.take();
-        if frame.is_none() && !self.inbox.has_due(step) {
+        if self.own_frame.pending().is_none() && !self.receiver.has_due(step) {
             return;
         }
-        let heard = self.inbox.take_due(step);
-        if let Some((_, Some(_))) = frame {
-            let number = self.outbox.facts_said() - 1;
-            self.held.apply(self.config.id, self.config.incarnation, number);
+        let heard = self.receiver.take_due(step);
+        if self.own_frame.pending_said().is_some() {
+            let number = self.transmitter.facts_said() - 1;
+            self.version_vector.apply(self.config.id, self.config.incarnation, number);
         }
         for h in &heard {
             // The fact that an answer is numbered by is among those that it lists.
             if !h.is_answer {
-                self.held.apply(h.src, h.incarnation, h.fact.number);
+                self.version_vector.apply(h.src, h.incarnation, h.fact.number);
             }
             if h.known.is_some() || is_on(Mutant::ClaimsWhatOthersHold) {
-                self.held.adopt(&h.fact.held.facts);
+                self.version_vector.adopt(&h.fact.held.facts);
                 self.repair.snapshot_heard(step);
             }
             self.repair.hear(step, h.src, h.incarnation, h.fact.step, &h.fact.held);
         }
-        let own = self.measured.as_ref().filter(|_| frame.is_some()).map(|m| (step, m));
-        let lineage = self.lineage(frame, &heard);
-        let (knowledge, changes) = self.commons.updated(step, lineage, || {
+        let own = self.own_frame.pending();
+        let lineage = self.lineage(&heard);
+        let (knowledge, changes) = self.cache.updated(step, lineage, || {
             let mut knowledge = Knowledge::clone(&self.knowledge);
             let changes = self.estimator.update(&mut knowledge, own, heard.clone());
             (knowledge, changes)
         });
         self.knowledge = knowledge;
+        self.own_frame.set_applied();
         self.report(&changes);
     }
 
     /// What the knowledge will be made of: all so far, the own frame and all that was heard.
     ///
     /// Who told a frame in full knows the same as who heard of it, unless clocks may differ.
-    fn lineage(&self, frame: Option<(Step, Option<Said>)>, heard: &[Heard]) -> Identity {
+    fn lineage(&self, heard: &[ReceivedFact]) -> Identity {
         let AgentConfig { id, incarnation, exchange, .. } = &self.config;
-        let told = |said: &Said| said.in_full && exchange.clock_skew_s == 0.0;
-        let own = frame.and_then(|(step, said)| match said.filter(told) {
+        let told = |said: &SentFact| said.in_full && exchange.clock_skew_s == 0.0;
+        let step = self.own_frame.pending().map(|(step, _)| step);
+        let own = step.and_then(|step| match self.own_frame.pending_said().filter(told) {
             Some(said) => Some(said.identity),
             // What proves nothing need not be known.
             None if self.config.is_station() => None,
@@ -268,14 +247,15 @@ impl SetMembershipAgent {
         let mut news: Vec<Identity> =
             own.into_iter().chain(heard.iter().map(|h| h.identity)).collect();
         news.sort_unstable();
-        let frame = frame.map_or(0, |(step, _)| u128::from(step.0) + 1);
+        let frame = step.map_or(0, |step| u128::from(step.0) + 1);
         let news = news.into_iter().map(Identity::bits);
         Identity::of_all([self.knowledge.lineage().bits(), frame].into_iter().chain(news))
     }
 
     fn report(&mut self, changes: &Changes) {
         let step = self.knowledge.step;
-        let own = self.measured.iter().flat_map(|m| &m.targets).map(|seen| seen.target);
+        let own =
+            self.own_frame.measured().into_iter().flat_map(|m| &m.targets).map(|seen| seen.target);
         let own: Vec<TargetId> = own.collect();
         let identified = changes.identified.iter().map(|&target| Event::Identified {
             step,
@@ -300,11 +280,20 @@ impl SetMembershipAgent {
         (sender.0 < self.config.agents()).then_some(sender)
     }
 
-    fn reject(&mut self, from: Option<AgentId>, rejection: &Rejection) {
-        let reason = rejection.name();
+    /// Checks a message, unless another agent of the process did, and keeps what it tells.
+    fn receive(&mut self, bytes: &[u8]) -> Result<Received, Rejection> {
+        let (now, config) = (self.step(), &self.config);
+        let identity = Identity::of(bytes);
+        let check = || CheckedMessage::decode(config, now, identity, bytes);
+        let message = self.cache.message(now, identity, check)?;
+        self.receiver.receive(&message, &self.version_vector)
+    }
+
+    fn reject(&mut self, from: Option<AgentId>, dropped: &DropReason) {
+        let reason = dropped.name();
         *self.rejected.entry(reason).or_default() += 1;
         if self.reported.insert((reason, from)) {
-            let (step, detail) = (self.knowledge.step, rejection.to_string());
+            let (step, detail) = (self.knowledge.step, dropped.to_string());
             // Links that damage messages make many of these: the terminal gets their sum at the end.
             tracing::info!(agent = %self.config.id, ?from, reason, detail, "dropped");
             self.events.push_back(Event::Rejected { step, from, reason: reason.into(), detail });
@@ -321,11 +310,10 @@ impl SetMembershipAgent {
     ) {
         self.now = now;
         let last = self.step();
-        if self.measured.is_some() && step <= last {
+        if self.own_frame.measured().is_some() && step <= last {
             // What it shows is of then, and would be believed of now.
-            return self.reject(None, &Rejection::OldFrame { got: step.0, last: last.0 });
+            return self.reject(None, &DropReason::OldFrame { got: step.0, last: last.0 });
         }
-        self.update_due = true;
         self.pose = pose;
         // The frame before was never followed by a timeout: whoever drives this is late.
         self.update();
@@ -333,11 +321,11 @@ impl SetMembershipAgent {
         let held = match self.config.exchange.mode {
             ExchangeMode::FactsRepair => {
                 let map = self.knowledge.block_hashes();
-                self.repair.hold(step, self.held.facts(), map)
+                self.repair.hold(step, self.version_vector.facts(), map)
             }
             _ => Digest::default(),
         };
-        let account = Account {
+        let content = StepContent {
             now,
             step,
             pose,
@@ -347,9 +335,8 @@ impl SetMembershipAgent {
             held,
             uavs: self.fleet(),
         };
-        let said = self.outbox.say_step(&account, &mut self.repair);
-        self.measured = Some(measured);
-        self.frame = Some((step, said));
+        let said = self.transmitter.say_step(&content, &mut self.repair);
+        self.own_frame = OwnFrame::new(step, measured, said);
         self.scheduler.on_frame(now, step);
     }
 
@@ -362,7 +349,7 @@ impl SetMembershipAgent {
         let plan = Plan { step: pass.step, pass: pass.pass, poses: decision.poses };
         let last = self.scheduler.on_own_plan(&plan);
         if self.config.exchange.mode != ExchangeMode::None {
-            self.outbox.say_plan(self.now, self.pose, plan);
+            self.transmitter.say_plan(self.now, self.pose, plan);
         }
         if last {
             let is_lost = self.airspace.as_mut().is_some_and(|air| air.fly(pass.step, way_out));
@@ -382,22 +369,22 @@ impl SetMembershipAgent {
         if let Some(ways) = ways.as_ref().filter(|ways| !ways.is_any_safe()) {
             return (ways.retreat(), ways.behind_retreat());
         }
-        let coarse = self.knowledge.coarse();
+        let rasters = self.knowledge.planner_rasters();
         let nothing = Raster::empty(self.config.raster_grid());
         let hidden_to = |id| self.last_facts.get(id).map(|(fact, _)| &fact.hidden);
         let neighbours_hidden_now: Vec<Option<&Raster>> =
             pass.neighbours.iter().map(hidden_to).collect();
-        let picture = Picture {
-            wanted: &coarse.wanted,
-            margin: &coarse.margin,
-            hidden_now: self.measured.as_ref().map_or(&nothing, |m| &m.hidden),
+        let input = PlannerInput {
+            wanted: &rasters.wanted,
+            margin: &rasters.margin,
+            hidden_now: self.own_frame.measured().map_or(&nothing, |m| &m.hidden),
             neighbours_hidden_now: &neighbours_hidden_now,
-            hidden_recent: &coarse.hidden_recently,
+            hidden_recent: &rasters.hidden_recently,
             oem,
-            looks: Some(self.knowledge.looks()),
+            view_cache: Some(self.knowledge.view_cache()),
             ways: ways.as_ref(),
         };
-        let decision = self.planner.plan(&picture, &pose, &pass.poses);
+        let decision = self.planner.plan(&input, &pose, &pass.poses);
         let first = decision.increments_rad.first();
         let way_out = first.zip(ways.as_ref()).and_then(|(first, ways)| ways.behind(*first));
         (decision, way_out)
@@ -425,7 +412,7 @@ impl Agent for SetMembershipAgent {
     fn handle_message(&mut self, now: SimTime, message: &Reception) {
         let bytes = &message.bytes[..];
         self.now = now;
-        match self.inbox.receive(self.step(), bytes, &self.held) {
+        match self.receive(bytes) {
             Ok(Received::Knowledge { from, p_world, fact }) => {
                 let is_uav = from.0 < self.config.fleet.count;
                 let known = self.last_facts.get(&from);
@@ -436,21 +423,21 @@ impl Agent for SetMembershipAgent {
             Ok(Received::Plan { from, incarnation, plan }) => {
                 match self.scheduler.on_plan(from, &plan) {
                     Ok(()) => {
-                        self.inbox.believe(from, incarnation);
+                        self.receiver.believe(from, incarnation);
                         // A station has no decision that waits for it.
-                        self.update_due |= !self.config.is_station();
+                        self.plan_arrived |= !self.config.is_station();
                     }
-                    Err(error) => self.reject(Some(from), &Rejection::Plan(error)),
+                    Err(error) => self.reject(Some(from), &error.into()),
                 }
             }
             Ok(Received::Repeat) => {}
-            Err(rejection) => self.reject(self.sender_of(bytes), &rejection),
+            Err(rejection) => self.reject(self.sender_of(bytes), &rejection.into()),
         }
     }
 
     fn handle_timeout(&mut self, now: SimTime) {
         self.now = now;
-        self.update_due = false;
+        self.plan_arrived = false;
         self.update();
         self.scheduler.on_timeout(now);
         while let Some(pass) = self.scheduler.ready() {
@@ -459,16 +446,17 @@ impl Agent for SetMembershipAgent {
     }
 
     fn poll_transmit(&mut self) -> Option<Transmit> {
-        self.outbox.pop()
+        self.transmitter.pop()
     }
 
     fn answer(&mut self, now: SimTime) -> Option<Transmit> {
         // A frame that is measured but not applied is not in the knowledge yet.
-        if self.frame.is_some() || self.config.exchange.mode == ExchangeMode::None {
+        if self.own_frame.pending().is_some() || self.config.exchange.mode == ExchangeMode::None {
             return None;
         }
-        let (held, hidden) = (self.held.facts(), self.measured.as_ref()?.hidden.clone());
-        self.outbox.answer(now, self.pose, &self.knowledge, held, hidden)
+        let (held, hidden) =
+            (self.version_vector.facts(), self.own_frame.measured()?.hidden.clone());
+        self.transmitter.answer(now, self.pose, &self.knowledge, held, hidden)
     }
 
     fn poll_command(&mut self) -> Option<YawCommand> {
@@ -480,7 +468,7 @@ impl Agent for SetMembershipAgent {
     }
 
     fn poll_timeout(&self) -> Option<SimTime> {
-        if self.update_due { Some(self.now) } else { self.scheduler.next_deadline() }
+        self.next_timer().map(|(at, _)| at)
     }
 
     fn digest(&self) -> u64 {

@@ -89,6 +89,11 @@ impl AgentConfig {
         Grid::covering(&self.ground, self.estimator.raster_cell_m)
     }
 
+    /// Whether Obstacle pixels are used: the estimator of `str1` ignores them (thesis §5.2.1).
+    pub fn uses_obstacle_pixels(&self) -> bool {
+        self.guidance.criterion != Criterion::Str1
+    }
+
     /// The camera as guidance sees it. Rays and windows are laid out for all of its d_max, so it looks no
     /// farther than there is ground to see: all of X_g from twice its diagonal away.
     pub fn planning_camera(&self) -> CameraModel {

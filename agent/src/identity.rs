@@ -24,3 +24,14 @@ impl Identity {
         self.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn order_makes_another_identity() {
+        assert_ne!(Identity::of_all([1, 2]), Identity::of_all([2, 1]));
+        assert_ne!(Identity::of_all([]), Identity::of_all([0]));
+    }
+}

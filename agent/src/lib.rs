@@ -4,7 +4,8 @@
 //! |---|---|
 //! | [`agent`] | the state machine: frames and messages in, messages and commands out |
 //! | [`identity`] | what messages and knowledge are recognised by |
-//! | [`commons`] | what agents of one process need not find out twice |
+//! | [`shared_cache`] | results that the agents of one process share |
+//! | [`settled`] | knowledge between two updates, and what is derived from it |
 //! | [`config`] | everything it is told before the start |
 //! | [`region`] | outer and inner sets: the types that carry the guarantee |
 //! | [`sense`] | one frame to measured sets |
@@ -15,7 +16,6 @@
 //! | [`work`] | counts of work, for tests of cost |
 
 pub mod agent;
-pub mod commons;
 pub mod config;
 pub mod estimate;
 pub mod exchange;
@@ -24,4 +24,6 @@ pub mod identity;
 pub mod mutant;
 pub mod region;
 pub mod sense;
+pub mod settled;
+pub mod shared_cache;
 pub mod work;

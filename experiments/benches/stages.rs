@@ -10,7 +10,7 @@ use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, Criterion};
 use csat_agent::config::Criterion as Cost;
 use csat_agent::estimate::Estimator;
-use csat_agent::estimate::evidence::Heard;
+use csat_agent::estimate::evidence::ReceivedFact;
 use csat_agent::estimate::state::Knowledge;
 use csat_world::camera::Renderer;
 use recorded::Moment;
@@ -53,21 +53,21 @@ fn world_and_own_frame(group: &mut BenchmarkGroup<'_, WallTime>, moment: &Moment
 fn messages_and_fusion(group: &mut BenchmarkGroup<'_, WallTime>, moment: &Moment) {
     let Moment { config, before, corrected, facts, snapshots, .. } = moment;
     group.bench_function("say", |b| {
-        let outbox = || recorded::outbox(config);
-        b.iter_batched_ref(outbox, |o| recorded::stage_say(o, moment), BatchSize::LargeInput);
+        let transmitter = || recorded::transmitter(config);
+        b.iter_batched_ref(transmitter, |t| recorded::stage_say(t, moment), BatchSize::LargeInput);
     });
     group.bench_function("hear", |b| {
-        let inbox = || recorded::inbox(config);
-        b.iter_batched_ref(inbox, |i| recorded::stage_hear(i, moment), BatchSize::LargeInput);
+        let receiver = || recorded::receiver(config);
+        b.iter_batched_ref(receiver, |r| recorded::stage_hear(r, moment), BatchSize::LargeInput);
     });
     let estimator = Estimator::new(config);
     let mut with = |name: &str,
                     knowledge: &Knowledge,
-                    heard: &[Heard],
-                    work: &dyn Fn(&mut Knowledge, Vec<Heard>)| {
+                    heard: &[ReceivedFact],
+                    work: &dyn Fn(&mut Knowledge, Vec<ReceivedFact>)| {
         group.bench_function(name, |b| {
             let ready = || (knowledge.clone(), heard.to_vec());
-            let work = |(mut knowledge, heard): (Knowledge, Vec<Heard>)| {
+            let work = |(mut knowledge, heard): (Knowledge, Vec<ReceivedFact>)| {
                 work(&mut knowledge, heard);
                 knowledge
             };

@@ -12,7 +12,7 @@
 
 use csat_agent::config::{AgentConfig, Criterion};
 use csat_agent::estimate::oem::Oem;
-use csat_agent::guidance::{Picture, Planner};
+use csat_agent::guidance::{Planner, PlannerInput};
 use csat_agent::sense::Sensor;
 use csat_experiments::scenario::{self, Loaded, Request};
 use csat_experiments::set_membership::SetMembership;
@@ -208,14 +208,14 @@ impl Lab {
         let (wanted, nothing) = (coarse(&self.unexplored, grid, 1), Raster::empty(grid));
         let mut hidden_recent = nothing.clone();
         self.hidden.iter().for_each(|hidden| hidden_recent.union_with(hidden));
-        let picture = Picture {
+        let input = PlannerInput {
             wanted: &wanted,
             margin: &margin,
             hidden_now: &nothing,
             neighbours_hidden_now: &[],
             hidden_recent: &hidden_recent,
             oem: &self.oem,
-            looks: None,
+            view_cache: None,
             ways: None,
         };
         let poses = self.world.poses();
@@ -230,7 +230,7 @@ impl Lab {
                 let others: Vec<Vec<Pose>> =
                     (0..poses.len()).filter(known).map(|j| self.plans[j].clone()).collect();
                 let pose = Pose { yaw_rad: self.yaws[i], ..poses[i] };
-                let decision = planner.plan(&picture, &pose, &others);
+                let decision = planner.plan(&input, &pose, &others);
                 turns[i] = decision.increments_rad[0];
                 self.plans[i] = decision.poses;
             }

@@ -46,8 +46,8 @@ impl Scratch {
         let Moment { config, frame, before, corrected, facts, snapshots, .. } = moment;
         black_box(recorded::stage_render(&mut self.renderer, moment));
         black_box(recorded::stage_sense(&mut moment.sensor.clone(), frame));
-        recorded::stage_say(&mut recorded::outbox(config), moment);
-        recorded::stage_hear(&mut recorded::inbox(config), moment);
+        recorded::stage_say(&mut recorded::transmitter(config), moment);
+        recorded::stage_hear(&mut recorded::receiver(config), moment);
         let estimator = &Estimator::new(config);
         black_box(recorded::stage_estimate(estimator, &mut before.clone(), moment));
         let (heard, knew) = ((moment, facts.clone()), (moment, snapshots.clone()));

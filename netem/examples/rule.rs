@@ -1,12 +1,12 @@
-//! A rule that csat does not have, as docs/extending.md explains it: who flies low hears nobody.
+//! A rule that csat does not have, as docs/extending.md explains it: agents that fly low hear no other
+//! agent.
 
 use csat_netem::fate::{Reason, Sent};
-use csat_netem::rate::Departure;
-use csat_netem::rule::{Case, LinkState, Rule, judge};
+use csat_netem::rule::{Case, Departure, LinkState, Rule, judge};
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
 use csat_proto::time::SimTime;
 
-/// Hills: below an altitude nobody is heard, and nobody hears.
+/// Hills: an agent below an altitude is not heard and does not hear.
 pub struct Hills {
     /// That altitude, metres.
     altitude_m: f64,
@@ -40,16 +40,7 @@ fn verdict(altitudes_m: [f64; 2]) -> Result<(), Reason> {
         dst_p_world: [120.0, 0.0, altitudes_m[1]],
     };
     let mut link = LinkState::new(1, &sent);
-    let block = *link.draws.block(sent.sequence);
-    let mut case = Case {
-        sent: &sent,
-        block,
-        link: &mut link,
-        departure: Departure::After(0.0),
-        corrupted: false,
-        duplicated: false,
-        delays_s: [0.0; 2],
-    };
+    let mut case = Case::new(&sent, &mut link, Departure::After(0.0));
     let rules: Vec<Box<dyn Rule>> =
         Hills::new(Some(55.0)).into_iter().map(|rule| Box::new(rule) as Box<dyn Rule>).collect();
     judge(&rules, &mut case)

@@ -1,30 +1,30 @@
-//! States that follow each other from message to message of a link.
+//! Markov chains along the messages of a link.
 
 use crate::draw::{Block, Draws};
 
-/// Chains begin anew at every multiple of this sequence number, with a state of their stationary
-/// distribution.
+/// Length of an epoch, sequence numbers. At the first number of each epoch a chain starts again, with a
+/// state drawn from its stationary distribution.
 ///
-/// It bounds what one message can cost, whatever number it carries (a peer could claim any). The
-/// states are distributed the same all the same; only, the first one of each epoch does not
-/// remember the last one of the epoch before.
+/// Epochs bound the steps that one message can cost, since a message may carry any sequence number. They
+/// do not change the distribution of the states; only the first state of an epoch is independent of the
+/// last state of the epoch before.
 pub const EPOCH: u64 = 1 << 16;
 
-/// A chain of states, advanced by sequence number: the state of a number is a function of the
-/// random numbers of its epoch up to it, in whatever order numbers are asked for. Numbers that are
-/// never asked for advance it too.
+/// A Markov chain that advances by sequence number. The state at a number is a function of the random
+/// numbers of its epoch up to that number, so the order of the queries does not matter. Numbers for which
+/// no caller asks advance the chain too.
 #[derive(Debug, Clone)]
-pub struct Chain<S> {
+pub struct MarkovChain<S> {
     latest: Option<(u64, S)>,
 }
 
-impl<S> Default for Chain<S> {
+impl<S> Default for MarkovChain<S> {
     fn default() -> Self {
         Self { latest: None }
     }
 }
 
-impl<S: Copy> Chain<S> {
+impl<S: Copy> MarkovChain<S> {
     /// The state at `sequence`, where an epoch begins with `first` and goes on with `next`.
     pub fn at(
         &mut self,
@@ -53,8 +53,8 @@ mod tests {
     use crate::draw::Purpose;
     use crate::fate::tests::sent;
 
-    /// A state that remembers everything before it.
-    fn hash_at(chain: &mut Chain<u64>, draws: &mut Draws, sequence: u64) -> u64 {
+    /// A state that depends on all states before it in its epoch.
+    fn hash_at(chain: &mut MarkovChain<u64>, draws: &mut Draws, sequence: u64) -> u64 {
         let next = |state: u64, block: &Block| {
             state.rotate_left(7).wrapping_mul(0x9E37_79B9) ^ block.bits(Purpose::Chain)
         };
@@ -62,16 +62,16 @@ mod tests {
     }
 
     #[test]
-    fn the_state_of_a_number_does_not_depend_on_the_order_of_questions() {
+    fn the_state_of_a_number_does_not_depend_on_the_order_of_queries() {
         let mut draws = Draws::of_messages(3, &sent(0));
-        let mut forward = Chain::default();
+        let mut forward = MarkovChain::default();
         let numbers = [0, 1, 2, 7, 1000, EPOCH - 1, EPOCH, EPOCH + 1, EPOCH + 70];
         let states = numbers.map(|n| hash_at(&mut forward, &mut draws, n));
-        let mut backward = Chain::default();
+        let mut backward = MarkovChain::default();
         for (&number, &state) in numbers.iter().zip(&states).rev() {
             assert_eq!(hash_at(&mut backward, &mut draws, number), state);
             assert_eq!(hash_at(&mut backward, &mut draws, number), state, "asked twice");
-            assert_eq!(hash_at(&mut Chain::default(), &mut draws, number), state);
+            assert_eq!(hash_at(&mut MarkovChain::default(), &mut draws, number), state);
         }
         hash_at(&mut backward, &mut draws, u64::MAX);
         assert_eq!(hash_at(&mut backward, &mut draws, 7), states[3]);

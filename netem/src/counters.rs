@@ -1,4 +1,4 @@
-//! What the links did, counted.
+//! Counters of what the links did.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fate::{Fate, Reason};
 
-/// What all links did so far. Always: sent + duplicated = delivered + dropped + in flight.
+/// What all links did so far. Invariant: sent + duplicated = delivered + dropped + in flight.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Counters {
     /// Messages handed over, one per receiver.
@@ -21,14 +21,14 @@ pub struct Counters {
     pub dropped: BTreeMap<Reason, u64>,
     /// Messages on their way.
     pub in_flight: u64,
-    /// Bytes handed over; a broadcast counts once however many hear it.
+    /// Bytes handed over; a broadcast counts once, whatever the number of its receivers.
     pub bytes_sent: u64,
 }
 
 /// What one link did so far.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LinkCounters {
-    /// Its messages and their bytes, each message once, for it has one receiver.
+    /// The messages of the link and their bytes. A link has one receiver, so each message counts once.
     pub counts: Counters,
     /// Bytes that arrived, those of copies and of damaged messages among them.
     pub bytes_delivered: u64,
@@ -39,14 +39,14 @@ pub struct LinkCounters {
 }
 
 impl Counters {
-    /// Whether no message appeared or vanished.
+    /// Whether the invariant holds: no message appeared or vanished.
     pub fn conserved(&self) -> bool {
         let dropped: u64 = self.dropped.values().sum();
         self.sent + self.duplicated == self.delivered + dropped + self.in_flight
     }
 
-    /// Adds what other links did, or these at other times. Bytes of a broadcast that both sides heard
-    /// count twice.
+    /// Adds the counters of other links, or of the same links at other times. The bytes of a broadcast
+    /// count twice if both sides counted it.
     pub fn add(&mut self, other: &Counters) {
         self.sent += other.sent;
         self.delivered += other.delivered;
@@ -59,7 +59,7 @@ impl Counters {
         self.bytes_sent += other.bytes_sent;
     }
 
-    /// What is on its way is lost for this reason.
+    /// Counts all messages in flight as lost for this reason.
     pub fn lose_in_flight(&mut self, reason: Reason) {
         let lost = std::mem::take(&mut self.in_flight);
         if lost > 0 {
@@ -86,7 +86,7 @@ impl Counters {
 }
 
 impl LinkCounters {
-    /// Adds what the same link did at other times.
+    /// Adds the counters of the same link at other times.
     pub fn add(&mut self, other: &Self) {
         self.counts.add(&other.counts);
         self.bytes_delivered += other.bytes_delivered;
@@ -94,12 +94,12 @@ impl LinkCounters {
         self.distance_m += other.distance_m;
     }
 
-    /// The mean delay of what arrived, seconds; `None` before anything did.
+    /// The mean delay of what arrived, seconds; `None` before the first arrival.
     pub fn mean_delay_s(&self) -> Option<f64> {
         (self.counts.delivered > 0).then(|| self.delay_s / self.counts.delivered as f64)
     }
 
-    /// The mean distance over which messages were sent, metres; `None` before any was.
+    /// The mean distance over which messages were sent, metres; `None` before the first one.
     pub fn mean_distance_m(&self) -> Option<f64> {
         (self.counts.sent > 0).then(|| self.distance_m / self.counts.sent as f64)
     }

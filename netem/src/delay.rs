@@ -1,8 +1,9 @@
 //! Rule 10: how long a message takes.
 //!
-//! A delay is a quantile of its distribution, at a number that belongs to the message, or with
-//! correlation at Φ of a normal score that remembers the score before (`DelayConfig`). Since
-//! messages take different times, they overtake each other: that is all there is to reordering.
+//! A delay is a quantile of its distribution. Without correlation it is the quantile at a uniform random
+//! number of the message; with correlation it is the quantile at Φ of a normal score that depends on the
+//! score of the message before (`DelayConfig`). Messages with different delays overtake each other; there
+//! is no other reordering.
 
 use crate::config::{ChannelConfig, DelayConfig};
 use crate::draw::{Block, Draws, Purpose, normal_cdf, normal_quantile};
@@ -15,15 +16,15 @@ const LIGHT_M_S: f64 = 299_792_458.0;
 /// The normal scores of a message of a link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scores {
-    /// That of the message before; none at the beginning of an epoch.
+    /// The score of the message before; `None` at the beginning of an epoch.
     before: Option<f64>,
-    /// Its own.
+    /// The score of the message itself.
     now: f64,
 }
 
 /// Delays messages.
 pub struct Delay {
-    law: Law,
+    distribution: Distribution,
     correlation: f64,
     light: bool,
 }
@@ -32,9 +33,9 @@ impl Delay {
     /// `None` when messages arrive at once.
     pub fn new(channel: &ChannelConfig) -> Option<Self> {
         let none = channel.delay == DelayConfig::Constant { mean_s: 0.0 };
-        let (law, correlation) = Law::new(&channel.delay);
+        let (distribution, correlation) = Distribution::new(&channel.delay);
         (!none || channel.light_delay).then_some(Self {
-            law,
+            distribution,
             correlation,
             light: channel.light_delay,
         })
@@ -44,19 +45,19 @@ impl Delay {
     fn of_message(&self, case: &mut Case<'_>) -> f64 {
         let u = case.block.uniform(Purpose::Delay);
         if self.correlation == 0.0 {
-            return self.law.quantile(u, 1.0 - u);
+            return self.distribution.quantile(u, 1.0 - u);
         }
         let now = self.scores(case).now;
         self.of_score(now)
     }
 
-    /// The delay of a message's copy: another draw after the same predecessor.
+    /// The delay of a message's copy: another draw, correlated with the same predecessor.
     fn of_copy(&self, case: &mut Case<'_>) -> f64 {
         let mut draws = Draws::of_copies(case.link.seed, case.sent);
         let block = *draws.block(case.sent.sequence);
         let u = block.uniform(Purpose::Delay);
         if self.correlation == 0.0 {
-            return self.law.quantile(u, 1.0 - u);
+            return self.distribution.quantile(u, 1.0 - u);
         }
         let before = self.scores(case).before;
         self.of_score(self.after(before, &block).now)
@@ -80,13 +81,13 @@ impl Delay {
     }
 
     fn of_score(&self, z: f64) -> f64 {
-        self.law.quantile(normal_cdf(z), normal_cdf(-z))
+        self.distribution.quantile(normal_cdf(z), normal_cdf(-z))
     }
 }
 
 impl Rule for Delay {
     fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason> {
-        if let Law::Constant(seconds) = self.law {
+        if let Distribution::Constant(seconds) = self.distribution {
             case.delays_s = case.delays_s.map(|delay| delay + seconds);
         } else {
             case.delays_s[0] += self.of_message(case);
@@ -102,8 +103,8 @@ impl Rule for Delay {
     }
 }
 
-/// A distribution of delays, ready to be drawn from.
-enum Law {
+/// A distribution of delays.
+enum Distribution {
     Constant(f64),
     Uniform { low_s: f64, width_s: f64 },
     Normal { mean_s: f64, sd_s: f64, below_zero: f64 },
@@ -111,7 +112,7 @@ enum Law {
     Table(Vec<f64>),
 }
 
-impl Law {
+impl Distribution {
     fn new(config: &DelayConfig) -> (Self, f64) {
         match config {
             &DelayConfig::Constant { mean_s } => (Self::Constant(mean_s), 0.0),
@@ -135,14 +136,14 @@ impl Law {
         }
     }
 
-    /// The delay, seconds, that a share `u` of all delays is below and a share `above` = 1 - u is
-    /// above. Both are asked for because near an end only one of them has its digits.
+    /// The `u`-quantile of the delays, seconds; `above` is 1 - u. The caller passes both, because near 0 or
+    /// 1 only one of them has all its significant digits.
     fn quantile(&self, u: f64, above: f64) -> f64 {
         match self {
             Self::Constant(seconds) => *seconds,
             Self::Uniform { low_s, width_s } => low_s + u * width_s,
             Self::Normal { mean_s, sd_s, below_zero } => {
-                // From the upper end, where a mean far above 0 has its digits.
+                // From the upper end: for a mean far above 0 it has more significant digits.
                 let above = above * (1.0 - below_zero);
                 (mean_s - sd_s * normal_quantile(above)).max(0.0)
             }
@@ -166,7 +167,7 @@ mod tests {
     use crate::rule::tests::{judge_alone, judge_on};
 
     fn quantile(config: &DelayConfig, u: f64) -> f64 {
-        Law::new(config).0.quantile(u, 1.0 - u)
+        Distribution::new(config).0.quantile(u, 1.0 - u)
     }
 
     #[test]
@@ -206,7 +207,7 @@ mod tests {
         assert!((delay_s - 1.0).abs() < 1e-12);
     }
 
-    /// Nearly full correlation: delays creep instead of jumping, in any order of questions.
+    /// With nearly full correlation delays change in small steps, in any order of queries.
     #[test]
     fn correlated_delays_remember_and_are_functions() {
         let delay = DelayConfig::Uniform { mean_s: 1.0, spread_s: 1.0, correlation: 0.9999 };

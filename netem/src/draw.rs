@@ -1,8 +1,8 @@
 //! The random numbers that belong to a message.
 //!
-//! ChaCha8 keyed by seed, link, life and channel gives one block of 32 words per sequence number,
-//! and each purpose has two words of it at a fixed place, half of them still free. Nothing is drawn in order, so nothing
-//! depends on what else is sent.
+//! ChaCha8 keyed by seed, link, incarnation and channel gives one block of 32 words per sequence number.
+//! Each purpose has two words of the block at a fixed place; half of the words are free. No number is
+//! drawn in sequence, so none depends on which other messages are sent.
 
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
 use rand::{Rng, SeedableRng};
@@ -13,7 +13,7 @@ use crate::fate::Sent;
 /// What a random number is for: its place in the block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
-    /// Where the chain of losses goes.
+    /// The next state of the chain of losses.
     Chain = 0,
     /// Random loss.
     Loss = 1,
@@ -32,14 +32,14 @@ pub enum Purpose {
 }
 
 impl Purpose {
-    /// The last one.
+    /// The last purpose.
     const LAST: Self = Self::Damage;
 }
 
-/// Changing it changes every fate: hence room for as many purposes again.
+/// Words of a block. A change of it changes every fate, so there is room for as many purposes again.
 const WORDS: usize = 32;
 const _: () = assert!(2 * (Purpose::LAST as usize + 1) <= WORDS, "a purpose without words");
-/// The generator makes this many blocks at once: about as fast as one.
+/// Blocks that the generator makes at once: two take about as long as one.
 const AT_ONCE: usize = 2;
 
 /// All random numbers of one message.
@@ -75,22 +75,22 @@ pub fn normal_cdf(z: f64) -> f64 {
     0.5 * libm::erfc(-z * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The random numbers of one life of a link, by sequence number.
+/// The random numbers of a link for one incarnation of its sender, by sequence number.
 #[derive(Debug, Clone)]
 pub struct Draws {
     generator: ChaCha8Rng,
-    /// The number of the first of `blocks`, which is the latest group that was asked for.
+    /// The sequence number of the first of `blocks`, which are the blocks of the last query.
     first: Option<u64>,
     blocks: [Block; AT_ONCE],
 }
 
 impl Draws {
-    /// Those of the messages like `sent`.
+    /// The random numbers of the messages of the same link, incarnation and channel as `sent`.
     pub fn of_messages(seed: u64, sent: &Sent) -> Self {
         Self::new(ChaCha8Rng::from_seed(key(seed, sent, *b"csat fates v3  ")))
     }
 
-    /// Those of the copies that links make of messages like `sent`.
+    /// The random numbers of the copies that the link makes of such messages.
     pub fn of_copies(seed: u64, sent: &Sent) -> Self {
         Self::new(ChaCha8Rng::from_seed(key(seed, sent, *b"csat copies v3 ")))
     }
@@ -129,10 +129,10 @@ fn key(seed: u64, sent: &Sent, tag: [u8; 15]) -> [u8; 32] {
     key
 }
 
-/// 64 random bits that a link keeps through all lives of its ends, and that differ per direction.
+/// 64 random bits of a link. They are the same for all incarnations of its ends and differ per direction.
 pub fn of_link(seed: u64, sent: &Sent) -> u64 {
-    let any_life = Sent { incarnation: Incarnation(0), ..*sent };
-    ChaCha8Rng::from_seed(key(seed, &any_life, *b"csat links v2  ")).next_u64()
+    let any_incarnation = Sent { incarnation: Incarnation(0), ..*sent };
+    ChaCha8Rng::from_seed(key(seed, &any_incarnation, *b"csat links v2  ")).next_u64()
 }
 
 /// A standard normal number of an unordered pair of agents at a pair of cells. The cell of the
@@ -144,7 +144,7 @@ pub fn of_place(seed: u64, pair: [AgentId; 2], channel: ChannelId, cells: [[i32;
     first[10..12].copy_from_slice(&pair[1].0.to_le_bytes());
     first[12] = channel.0;
     first[17..].copy_from_slice(b"csat places v2 ");
-    // Two cells are more than a key has room for: the first one's block is the key of the second.
+    // A key has no room for two cells: the block of the first cell is the key of the second one.
     let mut generator = cells.iter().fold(ChaCha8Rng::from_seed(first), |generator, cell| {
         let mut at_cell = at_cell(generator, *cell);
         let mut key = [0u8; 32];
@@ -193,7 +193,7 @@ mod tests {
         assert_ne!(draw(5), Draws::of_copies(7, &sent(5)).block(5).uniform(Purpose::Loss));
     }
 
-    /// Seeking is an optimisation that nobody may notice.
+    /// Seeking in the stream changes no block.
     #[test]
     fn any_order_gives_the_same_blocks() {
         let mut draws = Draws::of_messages(7, &sent(0));
@@ -202,7 +202,7 @@ mod tests {
             assert_eq!(*draws.block(i), forward[i as usize]);
             assert_eq!(*Draws::of_messages(7, &sent(0)).block(i), forward[i as usize]);
         }
-        // The last sequence number there can be has one too.
+        // The greatest sequence number has a block too.
         assert_ne!(*draws.block(u64::MAX), forward[0]);
     }
 

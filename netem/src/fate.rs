@@ -11,11 +11,11 @@ pub struct Sent {
     pub src: AgentId,
     /// The receiver.
     pub dst: AgentId,
-    /// The sender's life.
+    /// The sender's incarnation.
     pub incarnation: Incarnation,
     /// The radio.
     pub channel: ChannelId,
-    /// Its number among the sender's messages on that channel.
+    /// The number of the message among those of the sender on that channel.
     pub sequence: u64,
     /// When it was sent.
     pub time: SimTime,
@@ -45,9 +45,9 @@ pub enum Reason {
     Outage,
     /// The ends were in groups that could not hear each other.
     Partition,
-    /// Too far.
+    /// The distance exceeds the range.
     Range,
-    /// Too weak to be understood.
+    /// The signal was too weak.
     Propagation,
     /// The receiver was jammed.
     Jamming,
@@ -94,7 +94,7 @@ impl std::fmt::Display for Reason {
 /// A copy that arrives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Delivery {
-    /// When.
+    /// When it arrives.
     pub at: SimTime,
     /// Whether one of its bytes is damaged.
     pub corrupted: bool,
@@ -105,7 +105,7 @@ pub struct Delivery {
 pub struct Fate {
     /// The message: how it arrives, or why it does not.
     pub first: Result<Delivery, Reason>,
-    /// Its copy, when the link made one: the same.
+    /// How its copy arrives, or why it does not; `None` when the link made no copy.
     pub duplicate: Option<Result<Delivery, Reason>>,
 }
 
@@ -116,7 +116,7 @@ impl Fate {
     }
 }
 
-/// The instant `seconds` after `time`; the end of time when that is later.
+/// The instant `seconds` after `time`, at most the last instant of [`SimTime`].
 pub(crate) fn after(time: SimTime, seconds: f64) -> SimTime {
     SimTime(time.0.saturating_add(SimTime::from_seconds(seconds).0))
 }

@@ -1,11 +1,11 @@
-//! Rule 5: discs in which receivers hear nothing, from a time to a time.
+//! Rule 5: discs in which receivers lose messages, from one time to another.
 
 use csat_proto::ids::ChannelId;
 
 use crate::config::NetemConfig;
 use crate::draw::Purpose;
 use crate::fate::{Reason, Sent};
-use crate::outage::Span;
+use crate::outage::TimeSpan;
 use crate::rule::{Case, Rule};
 
 /// All jammers of a channel.
@@ -14,12 +14,12 @@ pub struct Jamming(Vec<Jammer>);
 struct Jammer {
     p_m: [f64; 2],
     radius_m: f64,
-    span: Span,
+    span: TimeSpan,
     loss: f64,
 }
 
 impl Jamming {
-    /// `None` when nobody jams the channel.
+    /// `None` when no jammer jams the channel.
     pub fn new(config: &NetemConfig, channel: ChannelId) -> Option<Self> {
         let on_channel = config.jammer.iter().filter(|jammer| {
             let named = jammer.channel.as_ref();
@@ -29,7 +29,7 @@ impl Jamming {
             .map(|jammer| Jammer {
                 p_m: jammer.p_m,
                 radius_m: jammer.radius_m,
-                span: Span::new(jammer.from_s, jammer.until_s),
+                span: TimeSpan::new(jammer.from_s, jammer.until_s),
                 loss: jammer.loss,
             })
             .collect();

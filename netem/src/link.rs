@@ -8,19 +8,19 @@ use csat_proto::ids::{AgentId, ChannelId, Incarnation};
 use csat_proto::time::SimTime;
 
 use crate::config::{ChannelConfig, NetemConfig, RateConfig};
-pub use crate::counters::{Counters, LinkCounters};
+use crate::counters::{Counters, LinkCounters};
 use crate::draw::Block;
 use crate::fate::{Delivery, Fate, Reason, Sent, after};
 use crate::outage::Outages;
 use crate::propagation::Obstruction;
-use crate::rate::Sender;
+use crate::rate::SenderBucket;
 use crate::repeat::damage;
 use crate::rule::{Case, LinkState, Rule, judge, rules};
 
 /// A message that arrives.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arrival {
-    /// When.
+    /// When it arrives.
     pub at: SimTime,
     /// The sender.
     pub src: AgentId,
@@ -39,47 +39,47 @@ pub type LinkId = (AgentId, AgentId, ChannelId);
 
 /// The links of a fleet: decides fates, holds what is in flight, counts.
 ///
-/// Parameters ([`Links::reconfigure`]) live apart from what was and is: chains of losses and
-/// delays, queues, messages in flight, counts.
+/// Parameters ([`Links::reconfigure`]) are kept apart from state: chains of losses and delays, queues,
+/// messages in flight, counters.
 pub struct Links {
     seed: u64,
     obstruction: Option<Arc<dyn Obstruction>>,
-    /// What the rules were made from.
+    /// The configuration that the rules were made from.
     config: Option<NetemConfig>,
     outages: Outages,
-    channels: Vec<Channel>,
+    channels: Vec<ChannelRules>,
     links: BTreeMap<LinkId, Link>,
-    senders: BTreeMap<(AgentId, ChannelId), Sender>,
+    senders: BTreeMap<(AgentId, ChannelId), SenderBucket>,
     in_flight: BinaryHeap<Reverse<InFlight>>,
     counters: Counters,
 }
 
-/// A channel's parameters.
-struct Channel {
+/// The parameters of a channel.
+struct ChannelRules {
     rate: RateConfig,
     rules: Vec<Box<dyn Rule>>,
 }
 
-/// A link's memory.
+/// The state of a link.
 #[derive(Default)]
 struct Link {
     counters: LinkCounters,
-    /// Of the life that was asked about last: any other can be computed again.
-    life: Option<(Incarnation, Box<LinkState>)>,
+    /// Of the incarnation of the last query; the state of any other incarnation can be computed again.
+    state: Option<(Incarnation, Box<LinkState>)>,
 }
 
-/// A message, or its copy, on its way.
+/// A message, or its copy, in flight.
 struct InFlight {
-    turn: Turn,
+    order: ArrivalOrder,
     sent_at: SimTime,
     src_p_world: [f64; 3],
     corrupted: bool,
     bytes: Arc<[u8]>,
 }
 
-/// By arrival, then by identity, so that ties are broken the same way everywhere.
+/// The order of arrivals: by time, then by identity, so that every process breaks ties the same way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Turn {
+struct ArrivalOrder {
     at: SimTime,
     src: AgentId,
     incarnation: Incarnation,
@@ -91,7 +91,7 @@ struct Turn {
 
 impl PartialEq for InFlight {
     fn eq(&self, other: &Self) -> bool {
-        self.turn == other.turn
+        self.order == other.order
     }
 }
 
@@ -105,12 +105,12 @@ impl PartialOrd for InFlight {
 
 impl Ord for InFlight {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.turn.cmp(&other.turn)
+        self.order.cmp(&other.order)
     }
 }
 
 impl Links {
-    /// Links that follow `config`, with fates of `seed`, among what may stand in the way.
+    /// Links with the rules of `config` and the fates of `seed`, among the obstacles of `obstruction`.
     pub fn new(config: &NetemConfig, seed: u64, obstruction: Option<Arc<dyn Obstruction>>) -> Self {
         let mut links = Self {
             seed,
@@ -127,8 +127,8 @@ impl Links {
         links
     }
 
-    /// Follows `config` from now on. Nothing else changes: chains go on from where they are, queues
-    /// stay as long as they are and what is in flight arrives as it would have. Channels are known
+    /// Uses the rules of `config` from now on. All state stays: chains go on from their current states,
+    /// queues keep their lengths, and messages in flight arrive as they would have. Channels are identified
     /// by their ids, so `config` should have the same names as before.
     pub fn reconfigure(&mut self, config: &NetemConfig) {
         if self.config.as_ref() == Some(config) {
@@ -139,12 +139,12 @@ impl Links {
         let channel = |(index, (_, channel)): (usize, (&str, &ChannelConfig))| {
             let id = ChannelId(u8::try_from(index).ok()?);
             let rules = rules(config, id, channel, self.obstruction.as_ref());
-            Some(Channel { rate: channel.rate, rules })
+            Some(ChannelRules { rate: channel.rate, rules })
         };
         self.channels = config.all_channels().enumerate().map_while(channel).collect();
     }
 
-    /// Hands a message over and tells its fate.
+    /// Sends a message and returns its fate.
     pub fn send(&mut self, sent: &Sent, bytes: Arc<[u8]>) -> Fate {
         let size = bytes.len() as u64;
         let (fate, is_new) = self.decide(sent);
@@ -160,22 +160,28 @@ impl Links {
             };
             let Sent { src, dst, incarnation, channel, sequence, time: sent_at, .. } = *sent;
             let is_copy = index > 0;
-            let turn = Turn { at, src, incarnation, channel, sequence, dst, is_copy };
+            let order = ArrivalOrder { at, src, incarnation, channel, sequence, dst, is_copy };
             let src_p_world = sent.src_p_world;
-            self.in_flight.push(Reverse(InFlight { turn, sent_at, src_p_world, corrupted, bytes }));
+            self.in_flight.push(Reverse(InFlight {
+                order,
+                sent_at,
+                src_p_world,
+                corrupted,
+                bytes,
+            }));
         }
         fate
     }
 
-    /// The fate of a message that nobody hands over: nothing is counted and nothing arrives. It
-    /// takes its place in its sender's queue, as the same message handed over would.
+    /// The fate of a message without sending it: it is not counted and does not arrive. It takes the same
+    /// place in its sender's queue as a message that is sent.
     pub fn fate(&mut self, sent: &Sent) -> Fate {
         self.decide(sent).0
     }
 
     /// When the next message arrives.
     pub fn next_arrival(&self) -> Option<SimTime> {
-        self.in_flight.peek().map(|Reverse(message)| message.turn.at)
+        self.in_flight.peek().map(|Reverse(message)| message.order.at)
     }
 
     /// The next message that arrives no later than `now`.
@@ -184,8 +190,8 @@ impl Links {
             return None;
         }
         let Reverse(message) = self.in_flight.pop()?;
-        let InFlight { turn, sent_at, src_p_world, corrupted, bytes } = message;
-        let Turn { at, src, dst, channel, .. } = turn;
+        let InFlight { order, sent_at, src_p_world, corrupted, bytes } = message;
+        let ArrivalOrder { at, src, dst, channel, .. } = order;
         self.counters.count_arrival(corrupted);
         let link = self.links.entry((src, dst, channel)).or_default();
         let size = bytes.len() as u64;
@@ -193,17 +199,17 @@ impl Links {
         Some(Arrival { at, src, dst, channel, src_p_world, bytes })
     }
 
-    /// What happened so far.
+    /// The counters of all links together.
     pub fn counters(&self) -> &Counters {
         &self.counters
     }
 
-    /// What happened so far on each link that was used, by sender, receiver and channel.
+    /// The counters of each link that was used, by sender, receiver and channel.
     pub fn per_link(&self) -> impl Iterator<Item = (LinkId, &LinkCounters)> {
         self.links.iter().map(|(id, link)| (*id, &link.counters))
     }
 
-    /// A message's fate, and whether its sender's queue has not seen it before.
+    /// A message's fate, and whether this is the first query about it to its sender's queue.
     fn decide(&mut self, sent: &Sent) -> (Fate, bool) {
         let silenced = self.outages.is_out(sent.src, sent.time);
         let channel = self.channels.get(usize::from(sent.channel.0));
@@ -215,16 +221,7 @@ impl Links {
         };
         let link = self.links.entry((sent.src, sent.dst, sent.channel)).or_default();
         let link = link.state(self.seed, sent);
-        let block = *link.draws.block(sent.sequence);
-        let mut case = Case {
-            sent,
-            block,
-            link,
-            departure,
-            corrupted: false,
-            duplicated: false,
-            delays_s: [0.0; 2],
-        };
+        let mut case = Case::new(sent, link, departure);
         let verdict = judge(&channel.rules, &mut case);
         let Case { corrupted, duplicated, delays_s, .. } = case;
         let arrive = |delay_s: f64| {
@@ -239,13 +236,13 @@ impl Links {
 }
 
 impl Link {
-    /// The memory of the life that `sent` is of.
+    /// The state for the incarnation of `sent`.
     fn state(&mut self, seed: u64, sent: &Sent) -> &mut LinkState {
         let fresh = || (sent.incarnation, Box::new(LinkState::new(seed, sent)));
-        if self.life.as_ref().is_some_and(|(life, _)| *life != sent.incarnation) {
-            self.life = None;
+        if self.state.as_ref().is_some_and(|(incarnation, _)| *incarnation != sent.incarnation) {
+            self.state = None;
         }
-        &mut self.life.get_or_insert_with(fresh).1
+        &mut self.state.get_or_insert_with(fresh).1
     }
 
     fn block(&mut self, seed: u64, sent: &Sent) -> Block {

@@ -1,8 +1,8 @@
 //! Rule 6: random loss.
 //!
-//! Gilbert-Elliott and Linux netem's four states are one machine here: a Markov chain over the four
-//! states, each with a probability of loss. It moves once per sequence number of a link and begins
-//! in its stationary distribution, so the loss rate is right from the first message on.
+//! Gilbert-Elliott and the four-state model of Linux netem share one implementation: a Markov chain over
+//! four states, each with a probability of loss. It takes one step per sequence number of a link and
+//! starts in its stationary distribution, so the loss rate holds from the first message on.
 
 use crate::config::{ChannelConfig, LossConfig};
 use crate::draw::{Block, Purpose};
@@ -10,7 +10,7 @@ use crate::fate::Reason;
 use crate::rule::{Case, Rule};
 use crate::trace::Trace;
 
-/// Where a link is in its chain of losses.
+/// The state of a link in its chain of losses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LossState {
     /// Received between bursts; good of Gilbert-Elliott. State 1 of Linux.
@@ -29,7 +29,7 @@ const STATES: [LossState; 4] =
 /// Loses messages at random.
 pub struct Loss {
     model: Model,
-    /// 0 for none.
+    /// 0 for no limit.
     mtu_bytes: u32,
 }
 
@@ -39,7 +39,7 @@ enum Model {
     Trace(Trace),
 }
 
-/// Probabilities of each state; rows of transitions are cumulated.
+/// The probabilities of the chain; rows of transitions are cumulated.
 struct Markov {
     first: [f64; 4],
     next: [[f64; 4]; 4],
@@ -47,7 +47,7 @@ struct Markov {
 }
 
 impl Loss {
-    /// `None` when nothing is lost; so too for a trace that cannot be read, which
+    /// `None` when no message is lost. Also `None` for a trace that cannot be read, which
     /// `NetemConfig::mistakes` reports.
     pub fn new(channel: &ChannelConfig) -> Option<Self> {
         let model = match &channel.loss {
@@ -66,8 +66,8 @@ impl Loss {
         Some(Self { model, mtu_bytes: channel.mtu_bytes })
     }
 
-    /// The probability that a message is lost whose fragments are each lost with probability `p`,
-    /// independently.
+    /// The probability that a message is lost if each of its fragments is lost independently with
+    /// probability `p`.
     fn of_message(&self, p: f64, bytes: usize) -> f64 {
         let fragments = fragments(bytes, self.mtu_bytes);
         if fragments == 1 || p == 0.0 || p == 1.0 {
@@ -77,7 +77,7 @@ impl Loss {
     }
 }
 
-/// How many fragments a message travels in; one when `mtu_bytes` is 0.
+/// The number of fragments of a message; one when `mtu_bytes` is 0.
 fn fragments(bytes: usize, mtu_bytes: u32) -> usize {
     match mtu_bytes {
         0 => 1,
@@ -111,7 +111,7 @@ impl Rule for Loss {
 
 fn pick(cumulated: &[f64; 4], block: &Block) -> LossState {
     let u = block.uniform(Purpose::Chain);
-    // The sums above u tell how many states are not it: without a branch, since nobody can guess.
+    // The number of sums up to u is the index. There is no branch, because no predictor could guess it.
     let index = cumulated[..3].iter().map(|&sum| usize::from(u >= sum)).sum::<usize>();
     STATES[index]
 }
@@ -124,8 +124,8 @@ fn cumulated(row: [f64; 4]) -> [f64; 4] {
     })
 }
 
-/// The two states are `Gap` and `Burst`. The other two, in which a link may be when another model
-/// was configured before, do as the one of the two that they resemble.
+/// The two states are `Gap` and `Burst`. A link may be in one of the other two states when another model
+/// was configured before; each of these has the probabilities of the state that it resembles.
 fn gilbert_elliott(p: f64, r: f64, h: f64, k: f64) -> Markov {
     let bad = if p + r > 0.0 { p / (p + r) } else { 0.0 };
     let from_good = cumulated([1.0 - p, 0.0, p, 0.0]);

@@ -1,4 +1,4 @@
-//! Rule 1: an agent that is out neither sends nor receives.
+//! Rule 1: during an outage an agent neither sends nor receives.
 
 use csat_proto::ids::AgentId;
 use csat_proto::time::SimTime;
@@ -7,15 +7,15 @@ use crate::config::{NetemConfig, OutageKind};
 use crate::fate::Reason;
 use crate::rule::{Case, Rule};
 
-/// From an instant to before another.
+/// A span of time: its first instant belongs to it, its end does not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Span {
+pub(crate) struct TimeSpan {
     from: SimTime,
     until: SimTime,
 }
 
-impl Span {
-    /// From `from_s` to before `until_s`, seconds; infinity is the end of time.
+impl TimeSpan {
+    /// From `from_s` to before `until_s`, seconds; infinity is the last instant of [`SimTime`].
     pub(crate) fn new(from_s: f64, until_s: f64) -> Self {
         Self { from: SimTime::from_seconds(from_s), until: SimTime::from_seconds(until_s) }
     }
@@ -31,24 +31,28 @@ impl Span {
     }
 }
 
-/// Who is out when.
+/// When each agent has an outage.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Outages(Vec<(AgentId, Span, OutageKind)>);
+pub struct Outages(Vec<(AgentId, TimeSpan, OutageKind)>);
 
 impl Outages {
     /// The outages of a scenario; a crash is one too.
     pub fn new(config: &NetemConfig) -> Self {
         let outages = config.outage.iter();
-        Self(outages.map(|o| (AgentId(o.agent), Span::new(o.from_s, o.until_s), o.kind)).collect())
+        Self(
+            outages
+                .map(|o| (AgentId(o.agent), TimeSpan::new(o.from_s, o.until_s), o.kind))
+                .collect(),
+        )
     }
 
-    /// Whether `agent` is out.
+    /// Whether `agent` has an outage at `time`.
     pub fn is_out(&self, agent: AgentId, time: SimTime) -> bool {
         self.0.iter().any(|(out, span, _)| *out == agent && span.contains(time))
     }
 
-    /// Whether what `agent` was told to send at `sent` cannot leave at `departs`: its radio is off, or
-    /// it waited in a queue that was lost in a crash.
+    /// Whether a message that `agent` sent at `sent` cannot leave at `departs`: its radio is off, or the
+    /// message waited in a queue that was lost in a crash.
     fn silence(&self, agent: AgentId, sent: SimTime, departs: SimTime) -> bool {
         self.0.iter().any(|(out, span, kind)| {
             let is_silent = match kind {
@@ -60,7 +64,7 @@ impl Outages {
     }
 }
 
-/// Loses what would leave an agent while it is out. Messages that left before are not touched.
+/// Loses messages that would leave an agent during its outage; those that left before are in flight.
 pub struct SourceOutage(Outages);
 
 impl SourceOutage {
@@ -110,7 +114,7 @@ mod tests {
         assert!(silence(0, 0, 1_500_000), "it waited until the radio was off");
         assert!(!silence(0, 0, 2_000_000), "it waited until the radio was on again");
         assert!(silence(1, 0, 9_000_000) && silence(1, 0, u64::MAX) && !silence(1, 0, 4_999_999));
-        assert!(silence(2, 0, 9_000_000), "the queue of its first life is lost");
+        assert!(silence(2, 0, 9_000_000), "the queue of its first incarnation is lost");
         assert!(!silence(2, 6_000_000, 9_000_000), "it is alive again");
         // The receiver's outage counts when the message arrives, not when it is sent.
         let to_the_dead = Sent { src: AgentId(2), dst: AgentId(0), ..sent(0) };

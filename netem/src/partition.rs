@@ -1,11 +1,11 @@
-//! Rule 2: groups that cannot hear each other, from a time to a time.
+//! Rule 2: groups of agents that cannot hear each other, from one time to another.
 
 use csat_proto::ids::AgentId;
 use csat_proto::time::SimTime;
 
 use crate::config::NetemConfig;
 use crate::fate::Reason;
-use crate::outage::Span;
+use crate::outage::TimeSpan;
 use crate::rule::{Case, Rule};
 
 /// All partitions. A message is judged when it is sent: one in flight survives a partition that
@@ -13,7 +13,7 @@ use crate::rule::{Case, Rule};
 pub struct Partitions(Vec<Partition>);
 
 struct Partition {
-    span: Span,
+    span: TimeSpan,
     one_way: bool,
     /// The group of each agent that is in one, by agent.
     groups: Vec<(AgentId, usize)>,
@@ -28,7 +28,7 @@ impl Partitions {
                 .flat_map(|(g, group)| group.iter().map(move |&a| (AgentId(a), g)))
                 .collect();
             groups.sort_unstable();
-            let span = Span::new(partition.from_s, partition.until_s);
+            let span = TimeSpan::new(partition.from_s, partition.until_s);
             Partition { span, one_way: partition.one_way, groups }
         });
         (!config.partition.is_empty()).then(|| Self(partitions.collect()))

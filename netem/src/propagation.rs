@@ -1,11 +1,11 @@
-//! Rule 4: how much of a signal is left over a distance, and what the noise makes of it.
+//! Rule 4: path loss, and packet errors by the signal-to-noise ratio that is left.
 //!
 //! Path loss PL = loss_at_1m + 10 n log₁₀(max(d, 1 m)) + shadowing, and `obstruction_db` more when a
 //! building stands between the ends. SNR = tx_power - PL - noise; bit error rate of coherent BPSK
 //! BER = ½ erfc(√SNR) with the SNR as a ratio; packet error rate PER = 1 - (1 - BER)^(8 bytes).
 //!
-//! Shadowing is normal in dB, the same both ways, and fixed for a pair of agents and the cells that
-//! they are in: whoever flies back finds it again.
+//! Shadowing is normal in dB and the same in both directions. It is a function of the pair of agents and
+//! of the cells that they are in: a UAV that flies back to a cell has the same shadowing there again.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ pub trait Obstruction: Send + Sync {
     fn blocked(&self, a: [f64; 3], b: [f64; 3]) -> bool;
 }
 
-/// The shadowing of a link where its ends are.
+/// The shadowing of a link at the current cells of its ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shadowing {
     cells: [[i32; 3]; 2],
@@ -28,10 +28,10 @@ pub struct Shadowing {
     normal: f64,
 }
 
-/// Loses what is too weak.
+/// Loses messages by packet errors.
 pub struct Propagation {
     config: PropagationConfig,
-    /// `None` when nothing can be in the way, or would make no difference.
+    /// `None` when there are no obstacles, or `obstruction_db` is 0.
     obstruction: Option<Arc<dyn Obstruction>>,
 }
 
@@ -59,7 +59,7 @@ impl Propagation {
     }
 
     fn cell(&self, p_world: [f64; 3]) -> [i32; 3] {
-        // A cast of a float too large for the type gives the nearest there is.
+        // The cast saturates.
         p_world.map(|p| libm::floor(p / self.config.shadowing_cell_m) as i32)
     }
 
@@ -156,16 +156,7 @@ mod tests {
     }
 
     fn shadowing_of(rule: &Propagation, sent: &Sent, link: &mut LinkState) -> f64 {
-        let block = *link.draws.block(0);
-        let mut case = Case {
-            sent,
-            block,
-            link,
-            departure: crate::rate::Departure::After(0.0),
-            corrupted: false,
-            duplicated: false,
-            delays_s: [0.0; 2],
-        };
+        let mut case = Case::new(sent, link, crate::rate::Departure::After(0.0));
         rule.shadowing(&mut case)
     }
 

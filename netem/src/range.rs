@@ -1,10 +1,10 @@
-//! Rule 3: a disc (in space: a ball) around the receiver.
+//! Rule 3: a maximum distance between the ends.
 
 use crate::config::ChannelConfig;
 use crate::fate::Reason;
 use crate::rule::{Case, Rule};
 
-/// Loses what is sent from farther than the range.
+/// Loses messages from senders beyond the range.
 pub struct Range {
     range_m: f64,
 }

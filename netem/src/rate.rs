@@ -1,13 +1,13 @@
 //! Rule 9: a token bucket and a bounded queue per sender and channel.
 //!
-//! Tokens come at `bytes_s` up to `burst_bytes`. A message takes as many as it has bytes, and may
-//! take them in advance: then it leaves when they have come, which is when all before it have left
-//! (first in, first out). The bytes whose tokens have not come are the queue; a message that would
-//! make it longer than `queue_bytes` is lost (tail drop) and takes nothing.
+//! Tokens come at `bytes_s` up to `burst_bytes`. A message takes one token per byte, and may take them in
+//! advance: then it leaves once these tokens have come, after all messages before it (first in, first
+//! out). Bytes whose tokens have not come yet form the queue. A message that would make the queue longer
+//! than `queue_bytes` is lost (tail drop) and takes no tokens.
 //!
-//! A broadcast is sent once however many hear it, and its bytes are spent even where it is lost
-//! later on the way. So the verdict is that of (sender, channel, life, sequence) and is remembered
-//! for the other receivers.
+//! A broadcast is sent once, whatever the number of its receivers, and it takes its tokens even if a later
+//! rule loses it. So there is one verdict per (sender, channel, incarnation, sequence), which is kept for
+//! the other receivers.
 
 use std::collections::VecDeque;
 
@@ -21,13 +21,13 @@ use crate::rule::{Case, Rule};
 /// When a message leaves its sender.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Departure {
-    /// After so many seconds in the queue.
+    /// After this many seconds in the queue.
     After(f64),
     /// Never: the queue was full.
     Dropped,
 }
 
-/// The verdict of the sender's queue, at its place among the rules.
+/// Applies the verdict of the sender's queue, in its place among the rules.
 pub struct Queue;
 
 impl Rule for Queue {
@@ -42,24 +42,24 @@ impl Rule for Queue {
     }
 }
 
-/// Verdicts that are remembered per sender and channel. All receivers of a message are asked about
-/// at the same time, so a few would do.
+/// Verdicts that are kept per sender and channel. The queries for all receivers of a message come at the
+/// same time, so a few would suffice.
 const REMEMBERED: usize = 1024;
 
 /// One sender on one channel: its bucket and the latest verdicts.
 #[derive(Debug, Clone, Default)]
-pub struct Sender {
-    /// Of the newest life: whoever comes back begins with an empty queue.
+pub struct SenderBucket {
+    /// Of the newest incarnation: an agent that restarts begins with an empty queue.
     bucket: Bucket,
-    life: Incarnation,
-    /// By life and number.
+    incarnation: Incarnation,
+    /// By incarnation and sequence number.
     verdicts: VecDeque<((Incarnation, u64), Departure)>,
 }
 
-impl Sender {
-    /// When `sent` leaves, and whether this is the first time that it is asked about. A message
-    /// that was `silenced` (the radio is off) takes no tokens. One that is so old that its verdict
-    /// is forgotten leaves as if it were sent now, and takes none either.
+impl SenderBucket {
+    /// When `sent` leaves, and whether this is the first query about it. A message that is `silenced` (the
+    /// radio is off) takes no tokens. A message so old that its verdict was dropped leaves as if it were
+    /// sent now, and takes no tokens either.
     pub fn depart(
         &mut self,
         config: &RateConfig,
@@ -67,7 +67,7 @@ impl Sender {
         silenced: bool,
     ) -> (Departure, bool) {
         let key = (sent.incarnation, sent.sequence);
-        // Most often it is the latest one, or newer.
+        // Nearly all queries are about the latest message or a newer one.
         let place = match self.verdicts.back() {
             Some((latest, departure)) if *latest == key => return (*departure, false),
             Some((latest, _)) if *latest > key => {
@@ -81,8 +81,8 @@ impl Sender {
             }
             _ => self.verdicts.len(),
         };
-        if sent.incarnation > self.life {
-            (self.life, self.bucket) = (sent.incarnation, Bucket::default());
+        if sent.incarnation > self.incarnation {
+            (self.incarnation, self.bucket) = (sent.incarnation, Bucket::default());
         }
         let departure = match silenced {
             true => Departure::After(0.0),
@@ -96,10 +96,10 @@ impl Sender {
     }
 }
 
-/// A token bucket that may be in debt.
+/// A token bucket whose level may be negative.
 #[derive(Debug, Clone, Default)]
 struct Bucket {
-    /// Tokens at `at`, bytes; below 0 the queue's length. `None` for a full bucket.
+    /// Tokens at `at`, bytes; a negative number is the length of the queue. `None` for a full bucket.
     tokens: Option<f64>,
     at: SimTime,
 }
@@ -137,17 +137,17 @@ mod tests {
 
     #[test]
     fn a_burst_leaves_at_once_the_rest_waits_and_the_queue_is_bounded() {
-        let mut sender = Sender::default();
+        let mut sender = SenderBucket::default();
         let mut depart =
             |sequence, time_s| sender.depart(&CONFIG, &message(sequence, time_s), false).0;
         // Messages of 100 bytes, all at 1 s: 150 tokens, then 50, 150 and 250 bytes of queue.
         let waits = [0.0, 0.5, 1.5, 2.5].map(Departure::After);
         assert_eq!([0, 1, 2, 3].map(|i| depart(i, 1.0)), waits);
         assert_eq!(depart(4, 1.0), Departure::Dropped);
-        // What was dropped took nothing: a second later there is room for exactly one.
+        // The dropped message took no tokens: a second later there is room for exactly one.
         assert_eq!(depart(5, 2.0), Departure::After(2.5));
         assert_eq!(depart(6, 2.0), Departure::Dropped);
-        // A long pause fills the bucket to its brim and not more.
+        // A long pause fills the bucket and no more.
         assert_eq!(
             [7, 8].map(|i| depart(i, 100.0)),
             [Departure::After(0.0), Departure::After(0.5)]
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn all_receivers_get_the_same_verdict_and_the_bytes_are_spent_once() {
-        let mut sender = Sender::default();
+        let mut sender = SenderBucket::default();
         let to = |dst, i| Sent { dst: AgentId(dst), ..message(i, 1.0) };
         for (i, wait) in [0.0, 0.5, 1.5].into_iter().enumerate() {
             for dst in 1..5 {
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn memory_is_bounded_and_what_is_forgotten_costs_nothing() {
-        let mut sender = Sender::default();
+        let mut sender = SenderBucket::default();
         let config = RateConfig { queue_bytes: u64::MAX, ..CONFIG };
         let next = 3 * REMEMBERED as u64;
         for i in 0..next {
@@ -184,21 +184,21 @@ mod tests {
     }
 
     #[test]
-    fn a_new_life_begins_with_an_empty_queue() {
-        let mut sender = Sender::default();
+    fn a_new_incarnation_begins_with_an_empty_queue() {
+        let mut sender = SenderBucket::default();
         for i in 0..3 {
             sender.depart(&CONFIG, &message(i, 1.0), false);
         }
         let reborn = |i| Sent { incarnation: Incarnation(1), ..message(i, 1.0) };
         let waits = [0, 1].map(|i| sender.depart(&CONFIG, &reborn(i), false));
         assert_eq!(waits, [0.0, 0.5].map(|wait| (Departure::After(wait), true)));
-        // Of the old one everybody is told what the first was told.
+        // Every receiver of the old message gets the verdict that the first one got.
         assert_eq!(sender.depart(&CONFIG, &message(2, 1.0), false), (Departure::After(1.5), false));
     }
 
     #[test]
     fn who_is_silenced_spends_nothing() {
-        let mut sender = Sender::default();
+        let mut sender = SenderBucket::default();
         for i in 0..10 {
             sender.depart(&CONFIG, &message(i, 1.0), true);
         }

@@ -1,13 +1,13 @@
 //! Rules 7 and 8: messages that arrive damaged, and messages that arrive twice.
 //!
-//! A message is damaged before it is duplicated, so a copy is as damaged as its original.
+//! A message is damaged before it is duplicated, so a copy has the same damage as its original.
 
 use crate::config::ChannelConfig;
 use crate::draw::{Block, Purpose};
 use crate::fate::Reason;
 use crate::rule::{Case, Rule};
 
-/// Damages messages. They are delivered all the same: it is the receiver's checksum that finds out.
+/// Damages messages. They are delivered; the receiver detects the damage by their checksum.
 pub struct Corruption {
     p: f64,
 }
@@ -21,13 +21,13 @@ impl Corruption {
 
 impl Rule for Corruption {
     fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason> {
-        // A message without bytes has nothing to damage.
+        // A message without bytes cannot be damaged.
         case.corrupted = case.sent.bytes > 0 && case.block.uniform(Purpose::Corruption) < self.p;
         Ok(())
     }
 }
 
-/// Changes one byte: which one, and into what, belongs to the message.
+/// Changes one byte; the random numbers of the message choose the byte and its new value.
 pub fn damage(bytes: &mut [u8], block: &Block) {
     let bits = block.bits(Purpose::Damage);
     let (place, change) = (bits & 0xFFFF_FFFF, (bits >> 32) % 255 + 1);

@@ -1,45 +1,43 @@
-//! One rule, one verdict; the rules of a channel in their order.
+//! What a rule is, and the rules of a channel in their order.
 
 use std::sync::Arc;
 
 use csat_proto::ids::ChannelId;
 use csat_proto::time::SimTime;
 
-pub use crate::fate::{Delivery, Fate, Reason};
-
-use crate::chain::Chain;
+use crate::chain::MarkovChain;
 use crate::config::{ChannelConfig, NetemConfig};
 use crate::delay::{Delay, Scores};
 use crate::draw::{Block, Draws};
-use crate::fate::{Sent, after};
+use crate::fate::{Reason, Sent, after};
 use crate::jam::Jamming;
 use crate::loss::{Loss, LossState};
 use crate::outage::SourceOutage;
 use crate::partition::Partitions;
 use crate::propagation::{Obstruction, Propagation, Shadowing};
 use crate::range::Range;
-use crate::rate::Departure;
+pub use crate::rate::Departure;
 use crate::repeat::{Corruption, Duplication};
 
-/// A rule of a channel: parameters only. What changes from message to message lives in
-/// [`LinkState`], so that parameters may be replaced at any time.
+/// A rule of a channel. A rule holds parameters only; state that changes from message to message is in
+/// [`LinkState`], so that parameters can be replaced at any time.
 pub trait Rule: Send + Sync {
-    /// Writes what it does to the message into `case`, or says why the message is lost.
+    /// Writes the effects of the rule on the message into `case`, or returns why the message is lost.
     ///
     /// # Errors
     /// The reason of the loss.
     fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason>;
 }
 
-/// A message before the rules, and what they made of it so far.
+/// A message that the rules judge, and the effects of the rules so far.
 pub struct Case<'a> {
     /// The message.
     pub sent: &'a Sent,
     /// Its random numbers.
-    pub block: Block,
-    /// What its link remembers.
-    pub link: &'a mut LinkState,
-    /// When it leaves the sender's queue: the same for all receivers.
+    pub(crate) block: Block,
+    /// The state of its link.
+    pub(crate) link: &'a mut LinkState,
+    /// When it leaves the sender's queue; the same for all receivers.
     pub departure: Departure,
     /// Whether it arrives damaged.
     pub corrupted: bool,
@@ -49,8 +47,23 @@ pub struct Case<'a> {
     pub delays_s: [f64; 2],
 }
 
-impl Case<'_> {
-    /// When the message leaves its sender, as far as that depends on the queue.
+impl<'a> Case<'a> {
+    /// A message before the first rule, with the state of its link; `departure` is when it leaves the
+    /// sender's queue.
+    pub fn new(sent: &'a Sent, link: &'a mut LinkState, departure: Departure) -> Self {
+        let block = *link.draws.block(sent.sequence);
+        Self {
+            sent,
+            block,
+            link,
+            departure,
+            corrupted: false,
+            duplicated: false,
+            delays_s: [0.0; 2],
+        }
+    }
+
+    /// When the message leaves its sender's queue.
     pub(crate) fn departs(&self) -> SimTime {
         match self.departure {
             Departure::After(seconds) => after(self.sent.time, seconds),
@@ -59,39 +72,39 @@ impl Case<'_> {
     }
 }
 
-/// What one life of a link remembers. All of it can be computed again from the seed.
+/// The state of a link for one incarnation of its sender. It can be computed again from the seed.
 #[derive(Debug, Clone)]
 pub struct LinkState {
     /// The seed of the run.
-    pub seed: u64,
+    pub(crate) seed: u64,
     /// The random numbers of its messages.
-    pub draws: Draws,
-    /// Where its losses are.
-    pub loss: Chain<LossState>,
-    /// Where its delays are.
-    pub delay: Chain<Scores>,
-    /// The shadowing at the latest place.
-    pub shadowing: Option<Shadowing>,
-    /// What distinguishes it from other links in all its lives.
-    pub own_bits: u64,
+    pub(crate) draws: Draws,
+    /// The chain of its losses.
+    pub(crate) loss: MarkovChain<LossState>,
+    /// The chain of its delays.
+    pub(crate) delay: MarkovChain<Scores>,
+    /// The shadowing at the latest cells of its ends.
+    pub(crate) shadowing: Option<Shadowing>,
+    /// Random bits of this link, the same for all incarnations.
+    pub(crate) own_bits: u64,
 }
 
 impl LinkState {
-    /// The link that `sent` passes, before its first message.
+    /// The state of the link of `sent` before its first message.
     pub fn new(seed: u64, sent: &Sent) -> Self {
         Self {
             seed,
             draws: Draws::of_messages(seed, sent),
-            loss: Chain::default(),
-            delay: Chain::default(),
+            loss: MarkovChain::default(),
+            delay: MarkovChain::default(),
             shadowing: None,
             own_bits: crate::draw::of_link(seed, sent),
         }
     }
 }
 
-/// The rules of one channel, in the order of docs/links.md; those that can do nothing are left
-/// out. The receiver's outage is not here: it is asked last, for each copy when it arrives.
+/// The rules of one channel, in the order of docs/links.md, without those that have no effect. The
+/// receiver's outage is not among them: [`crate::link::Links`] checks it for each copy when it arrives.
 pub fn rules(
     config: &NetemConfig,
     id: ChannelId,
@@ -118,8 +131,8 @@ fn boxed<R: Rule + 'static>(rule: Option<R>) -> Option<Box<dyn Rule>> {
     rule.map(|rule| Box::new(rule) as Box<dyn Rule>)
 }
 
-/// Asks the rules in order; the first one that loses the message names the reason. A message that
-/// is lost after it was duplicated is lost with its copy.
+/// Applies the rules in order; the first rule that loses the message gives the reason. A message that is
+/// lost after it was duplicated is lost together with its copy.
 ///
 /// # Errors
 /// The reason of the loss.
@@ -131,7 +144,7 @@ pub fn judge(rules: &[Box<dyn Rule>], case: &mut Case<'_>) -> Result<(), Reason>
 pub(crate) mod tests {
     use super::*;
 
-    /// What one rule makes of a message on a fresh link.
+    /// The verdict of one rule on a message of a new link.
     pub(crate) fn judge_alone(
         rule: &dyn Rule,
         sent: &Sent,
@@ -139,22 +152,13 @@ pub(crate) mod tests {
         judge_on(rule, sent, &mut LinkState::new(3, sent))
     }
 
-    /// What one rule makes of a message on a link.
+    /// The verdict of one rule on a message of a link.
     pub(crate) fn judge_on(
         rule: &dyn Rule,
         sent: &Sent,
         link: &mut LinkState,
     ) -> Result<(bool, bool, [f64; 2]), Reason> {
-        let block = *link.draws.block(sent.sequence);
-        let mut case = Case {
-            sent,
-            block,
-            link,
-            departure: Departure::After(0.0),
-            corrupted: false,
-            duplicated: false,
-            delays_s: [0.0; 2],
-        };
+        let mut case = Case::new(sent, link, Departure::After(0.0));
         rule.judge(&mut case)?;
         Ok((case.corrupted, case.duplicated, case.delays_s))
     }

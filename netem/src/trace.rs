@@ -6,32 +6,32 @@ use std::sync::Arc;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Trace(Arc<[bool]>);
 
-/// Why a text is no recording.
+/// Why a text is not a recording.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TraceError {
-    /// Something else than 0, 1, white space and comments.
+    /// A character that is not 0, 1, white space or part of a comment.
     #[error("line {line}, column {column}: expected 0, 1, white space or a # comment, got {got:?}")]
     Character {
         /// Line, from 1.
         line: usize,
         /// Column in characters, from 1.
         column: usize,
-        /// Where it is in the text, bytes.
+        /// Its offset in the text, bytes.
         offset: usize,
-        /// What stands there.
+        /// The character.
         got: char,
     },
-    /// Nothing was recorded.
+    /// The text contains no 0 and no 1.
     #[error("expected at least one 0 or 1, got none")]
     Empty,
 }
 
 impl Trace {
-    /// Reads a recording: `1` for lost and `0` for received; white space, and `#` to the end of the
-    /// line, mean nothing.
+    /// Reads a recording: `1` for lost and `0` for received; white space, and `#` to the end of the line,
+    /// are skipped.
     ///
     /// # Errors
-    /// The first character that means nothing here, or that there is none that does.
+    /// The first character that is not allowed, or an empty recording.
     pub fn parse(text: &str) -> Result<Self, TraceError> {
         let mut lost = Vec::new();
         let (mut line, mut line_start, mut in_comment) = (1, 0, false);
@@ -55,8 +55,8 @@ impl Trace {
         if lost.is_empty() { Err(TraceError::Empty) } else { Ok(Self(lost.into())) }
     }
 
-    /// Whether the message of this number is lost on a link that begins at `offset`; both count
-    /// round and round.
+    /// Whether the message of this number is lost on a link that begins at `offset`; both numbers wrap
+    /// around at the end of the recording.
     pub fn lost(&self, offset: u64, sequence: u64) -> bool {
         let length = self.0.len() as u64;
         self.0[((offset % length + sequence % length) % length) as usize]

@@ -1,8 +1,8 @@
-//! What a world and the processes of its agents say to each other (docs/simulator.md).
+//! The protocol between a world and the processes of its agents (docs/simulator.md).
 //!
-//! All of it is JSON but the pixels of a frame ([`crate::frame_wire`]) and the report for the
-//! monitor, so that a simulator in any language can take the world's side. None of it passes through
-//! `netem`, and none of it is told to the agents themselves.
+//! All of it is JSON except the pixels of a frame ([`crate::frame_wire`]) and the report for the monitor,
+//! so that a simulator in any language can be the world. None of it passes through `netem`, and the agents
+//! themselves do not see it.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,28 +12,28 @@ use crate::frame::{Detection, Label, PixelBox};
 use crate::ids::{AgentId, Incarnation, MAX_TARGETS, RunId, TargetId};
 use crate::time::{SimTime, Step};
 
-/// The version of this protocol: processes of another one are refused.
+/// The version of this protocol; processes with another version are refused.
 pub const PROTOCOL: u32 = 3;
 
-/// The most messages that an agent says on a radio in a step, on the average over its life: numbers beyond
-/// that are forged.
+/// The most messages that an agent sends on a radio per step, averaged over its incarnation: greater
+/// sequence numbers are forged.
 const MAX_MESSAGES_PER_STEP: u64 = 4096;
 
-/// A number that no message said by the end of `step` can have reached.
+/// A sequence number greater than that of every message sent by the end of `step`.
 pub fn number_limit(step: Step) -> u64 {
     (u64::from(step.0) + 2) * MAX_MESSAGES_PER_STEP
 }
 
-/// An agent's process wants to take part: the payload of its query.
+/// The request of an agent's process to take part: the payload of its query.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Join {
     /// Its [`PROTOCOL`].
     pub protocol: u32,
-    /// Its program and version, for people.
+    /// Its program and version, for users to read.
     pub program: String,
     /// Which agent.
     pub agent: AgentId,
-    /// A number that no other process has.
+    /// A number that identifies the process.
     pub process: u64,
 }
 
@@ -44,13 +44,13 @@ pub struct Welcome {
     pub protocol: u32,
     /// The run.
     pub run: RunId,
-    /// A number that no other world has: its frames and orders bear it.
+    /// A number that identifies the world; its frames and orders carry it.
     pub world: u64,
     /// The scenario's name.
     pub name: String,
     /// The scenario in full, TOML.
     pub scenario: String,
-    /// The GeoJSON of its imported town, if the scenario's `map.file` is one; only the links need it.
+    /// The GeoJSON of the imported town, if the scenario has a `map.file`; only the links need it.
     pub map: Option<String>,
     /// How time passes.
     pub pace: Pace,
@@ -60,82 +60,82 @@ pub struct Welcome {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Pace {
-    /// Everybody waits for everybody: the same result as in one process.
+    /// All processes wait for each other: the same result as in one process.
     Lockstep,
-    /// Nobody waits: this many simulated seconds pass in a second.
+    /// No process waits for another: this many simulated seconds pass per second.
     Realtime(f64),
 }
 
-/// An agent's process has heard others: sent again when that changes.
+/// Which other processes an agent's process has heard; it sends this again when it changes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Ready {
     /// Which process.
     pub process: u64,
-    /// Whose probes it has heard, with their processes.
+    /// The agents whose probes it has heard, with their processes.
     pub heard: Vec<(AgentId, u64)>,
 }
 
-/// A sign of life on the way that messages take.
+/// A probe on the path of the messages: it shows that messages of the process arrive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Probe {
-    /// Whose.
+    /// Its sender.
     pub process: u64,
-    /// Whether it wants to be answered.
+    /// Whether its sender wants an answer.
     pub answer: bool,
 }
 
-/// The attachment of a frame: all but its pixels. A ground station's has no pixels and means that a step
-/// begins.
+/// The attachment of a frame: all of it except the pixels. The frame of a ground station has no pixels and
+/// means that a step begins.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrameHeader {
-    /// Which world's.
+    /// The world that sent it.
     pub world: u64,
     /// k.
     pub step: Step,
     /// The instant of the frame.
     pub time: SimTime,
-    /// The instant of the next one.
+    /// The instant of the next frame.
     pub next: SimTime,
-    /// Where the agent is, as far as it knows: its pose estimate, and that of the frame.
+    /// The pose estimate of the agent, which is the pose of the frame.
     pub pose: Pose,
-    /// Where its antenna truly is, `world`, metres, for the links and not for the agent; `None` where the
-    /// pose is exact.
+    /// The true position of its antenna, `world`, metres, for the links and not for the agent; `None` where
+    /// the pose is exact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_world: Option<[f64; 3]>,
-    /// The agent's life, `None` while it is down: then there are no pixels.
+    /// The agent's incarnation; `None` while it is down, and then there are no pixels.
     pub incarnation: Option<Incarnation>,
     /// The identified targets, by increasing index.
     pub detections: Vec<Detection>,
-    /// What everybody said before this step: whoever joins now need not wait for that.
+    /// What all agents sent before this step: a process that joins now does not wait for these messages.
     pub said: Vec<SaidSoFar>,
 }
 
 /// Why a frame is not believed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum HeaderError {
-    /// Its instant is not that of its step.
+    /// The instant is not that of the step.
     #[error("step {step} is at {got_s} s, expected {expected_s} s")]
     Time {
         /// k.
         step: Step,
-        /// What it says.
+        /// The instant that it states, seconds.
         got_s: f64,
         /// k·T.
         expected_s: f64,
     },
-    /// Nobody can be there.
+    /// A position that is impossible.
     #[error("the agent is at {p_world:?}: expected finite metres above the ground")]
     Pose {
-        /// Where it says.
+        /// The position that it states.
         p_world: [f64; 3],
     },
-    /// Targets out of order, or twice.
+    /// Targets out of order, or listed twice.
     #[error("detections of targets {0} and {1}: expected each target once, by increasing index")]
     Order(TargetId, TargetId),
-    /// A target that nobody could tell others of.
+    /// A target index that no message may carry.
     #[error("detection of target {0}: expected an index below {MAX_TARGETS}")]
     Target(TargetId),
-    /// A box outside the image, or the wrong way round.
+    /// A box outside the image, or with its last pixel before its first one.
     #[error("target {target} in columns {columns:?} and rows {rows:?} of {image:?} pixels")]
     Outside {
         /// Which target.
@@ -147,27 +147,27 @@ pub enum HeaderError {
         /// Columns and rows of the image.
         image: [u16; 2],
     },
-    /// A box without what it is around.
+    /// A box without a pixel of its target.
     #[error("the box of target {0} has no pixel labelled Target")]
     Empty(TargetId),
-    /// An agent without camera is told of an image.
+    /// An image for an agent without camera.
     #[error(
         "{detections} detections and {bytes} bytes of pixels for a ground station: expected none"
     )]
     Blind {
-        /// How many targets it is said to detect.
+        /// Number of its detections.
         detections: usize,
-        /// How long the pixels are.
+        /// Length of its pixels, bytes.
         bytes: usize,
     },
 }
 
 impl FrameHeader {
-    /// Checks what the guarantee rests on and a world may get wrong: the instant of the step, a pose
-    /// above the ground, and detections with a Target pixel each. `labels` are the frame's pixels.
+    /// Checks what the guarantee depends on: the instant of the step, a pose above the ground, and a Target
+    /// pixel for each detection. `labels` are the frame's pixels.
     ///
     /// # Errors
-    /// The first thing that is wrong.
+    /// The first check that fails.
     pub fn check(
         &self,
         camera: &CameraModel,
@@ -182,18 +182,18 @@ impl FrameHeader {
         if let Some([a, b]) = self.detections.array_windows().find(|[a, b]| a.target >= b.target) {
             return Err(HeaderError::Order(a.target, b.target));
         }
-        // They are in order, so that the last one has the greatest index.
+        // They are in order, so the last one has the greatest index.
         if let Some(last) = self.detections.last().filter(|last| last.target.0 >= MAX_TARGETS) {
             return Err(HeaderError::Target(last.target));
         }
         self.detections.iter().try_for_each(|detection| check_box(detection, camera, labels))
     }
 
-    /// The same for a ground station, which may stand on the ground and sees nothing; `bytes` is how long
-    /// the pixels are.
+    /// The same checks for a ground station, which may stand on the ground and has no camera; `bytes` is the
+    /// length of the pixels.
     ///
     /// # Errors
-    /// The first thing that is wrong.
+    /// The first check that fails.
     pub fn check_blind(&self, period_s: f64, bytes: usize) -> Result<(), HeaderError> {
         self.check_step(period_s)?;
         let detections = self.detections.len();
@@ -203,7 +203,7 @@ impl FrameHeader {
         Ok(())
     }
 
-    /// That time goes on, and that the agent is somewhere on or above the ground.
+    /// Checks that time advances, and that the agent is on or above the ground.
     fn check_step(&self, period_s: f64) -> Result<(), HeaderError> {
         let step = self.step;
         for (step, time) in [(step, self.time), (Step(step.0.saturating_add(1)), self.next)] {
@@ -250,21 +250,22 @@ fn check_box(
     }
 }
 
-/// What the world says to all, on `clock`.
+/// What the world sends to all processes, on `clock`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Announcement {
-    /// Which world.
+    /// The world that sent it.
     pub world: u64,
-    /// What.
+    /// What the processes are to do.
     #[serde(flatten)]
     pub order: Order,
 }
 
-/// What agents' processes are to do.
+/// What the agents' processes are to do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "order", rename_all = "kebab-case")]
 pub enum Order {
-    /// Lockstep: wait for what others said, let arrive what is due, and say what there is to say.
+    /// Lockstep: wait for the messages of `said`, deliver those that are due, and send what the agent has to
+    /// send.
     Turn {
         /// k.
         step: Step,
@@ -272,17 +273,18 @@ pub enum Order {
         round: u32,
         /// Simulated time.
         now: SimTime,
-        /// What everybody said so far.
+        /// What all agents sent so far.
         said: Vec<SaidSoFar>,
     },
     /// The step is over: report.
     Close {
         /// k.
         step: Step,
-        /// Whether maps are wanted, too.
+        /// Whether the report includes maps.
         full: bool,
     },
-    /// The mission's last step is over: tell everything once more, also what an agent that is down knew.
+    /// The last step of the mission is over: report everything once more, including what an agent that is
+    /// down knew.
     Show {
         /// k.
         step: Step,
@@ -294,19 +296,19 @@ pub enum Order {
     },
 }
 
-/// How far an agent's messages are numbered.
+/// The sequence numbers that an agent's messages have reached.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SaidSoFar {
-    /// Whose.
+    /// The agent.
     pub agent: AgentId,
-    /// Of which life.
+    /// Its incarnation.
     pub incarnation: Incarnation,
-    /// By channel, the number that the next message will have.
+    /// By channel, the number of its next message.
     pub next: Vec<u64>,
 }
 
 impl SaidSoFar {
-    /// Whether an agent can have said so much by the end of `step`.
+    /// Whether an agent can have sent that many messages by the end of `step`.
     pub fn is_possible(&self, step: Step) -> bool {
         self.next.iter().all(|next| *next <= number_limit(step))
     }
@@ -319,13 +321,13 @@ pub struct Done {
     pub process: u64,
     /// k.
     pub step: Step,
-    /// Which turn, 0 for the frame.
+    /// The round of the turn; 0 for the frame.
     pub round: u32,
-    /// What it said so far; `None` while it is down.
+    /// What the agent sent so far; `None` while it is down.
     pub said: Option<SaidSoFar>,
-    /// When something is to be done next; `None` if nothing is.
+    /// When the process has something to do next; `None` for never.
     pub due: Option<SimTime>,
-    /// What the UAV is to do.
+    /// Commands to the UAV.
     pub commands: Vec<YawCommand>,
 }
 
@@ -351,7 +353,7 @@ mod tests {
         }
     }
 
-    /// 4 x 2 pixels, with a Target in each box of [`header`].
+    /// Checks a frame of 4 x 2 pixels, with a Target in each box of [`header`].
     fn check(change: impl FnOnce(&mut FrameHeader, &mut [Label; 8])) -> Result<(), HeaderError> {
         let camera = CameraModel { columns: 4, rows: 2, ..CameraModel::default() };
         let mut labels = [Label::Ground; 8];
@@ -406,7 +408,7 @@ mod tests {
         let nowhere = check(|h| h.p_world = Some([0.0, f64::INFINITY, 1.0]), 0);
         let p_world = [0.0, f64::INFINITY, 1.0];
         assert_eq!(nowhere, Err(HeaderError::Pose { p_world }));
-        // A camera flies.
+        // A camera is above the ground.
         let flat = self::check(|h, _| h.pose.p_world[2] = 0.0);
         assert_eq!(flat, Err(HeaderError::Pose { p_world: [0.0, 0.0, 0.0] }));
     }

@@ -1,4 +1,4 @@
-//! How any message travels: magic and version, who, when, from where, checksum, body.
+//! The wire format of messages: magic and version, checksum, header (sender, time, pose) and body.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -11,18 +11,18 @@ use crate::time::{SimTime, Step};
 /// The first bytes of every message: "csat" and the version of the format.
 const MAGIC: [u8; 5] = *b"csat\x01";
 
-/// The header and the body of a message. The body is whatever the mission says, already encoded.
+/// The header and the body of a message. The body is the encoded message of the mission.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Envelope {
     /// The run.
     pub run: RunId,
     /// The sender.
     pub src: AgentId,
-    /// The sender's life.
+    /// The sender's incarnation.
     pub incarnation: Incarnation,
     /// The radio.
     pub channel: ChannelId,
-    /// Number of the message among those of this sender, life and channel, from 0.
+    /// Number of the message among those of this sender, incarnation and channel, from 0.
     pub sequence: u64,
     /// The sender's step.
     pub step: Step,
@@ -34,7 +34,7 @@ pub struct Envelope {
     pub body: Vec<u8>,
 }
 
-/// Why a message was not understood.
+/// Why bytes are not a valid envelope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum EnvelopeError {
     /// Longer than any valid message.
@@ -48,7 +48,7 @@ pub enum EnvelopeError {
     /// It does not begin with the magic and version of this format.
     #[error("not a csat message of version {}", MAGIC[4])]
     Magic,
-    /// The checksum does not match: damaged on the way.
+    /// The checksum does not match: the message was damaged.
     #[error("checksum mismatch")]
     Checksum,
     /// The header does not decode, or something follows the body.
@@ -59,20 +59,20 @@ pub enum EnvelopeError {
     Pose,
 }
 
-/// The checksum of an encoded envelope's content, as its header says it; 0 if there is none.
+/// The checksum that an encoded envelope states; 0 for bytes that do not begin like an envelope.
 pub fn checksum(bytes: &[u8]) -> u32 {
     let stated = bytes.strip_prefix(&MAGIC).and_then(<[u8]>::first_chunk::<4>);
     stated.map_or(0, |checksum| u32::from_le_bytes(*checksum))
 }
 
-/// What `bytes` encode, unless they are malformed or too many.
+/// Decodes `bytes`; `None` if they are malformed or bytes are left over.
 pub fn decode_whole<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     let (value, rest) = postcard::take_from_bytes(bytes).ok()?;
     rest.is_empty().then_some(value)
 }
 
 impl Envelope {
-    /// An upper bound on what surrounds a body, in bytes.
+    /// An upper bound on the size of an envelope without its body, bytes.
     pub const HEADER_BYTES_MAX: usize = 128;
 
     /// Magic, checksum of the rest, postcard of the rest.
@@ -88,8 +88,8 @@ impl Envelope {
     /// The inverse of [`Self::encode`] for untrusted bytes.
     ///
     /// # Errors
-    /// When they are longer than [`MAX_MESSAGE_BYTES`], begin or end otherwise than an envelope does,
-    /// do not have the checksum that they state, or hold a pose that is not finite.
+    /// When they are longer than [`MAX_MESSAGE_BYTES`], are not an envelope from first to last byte, do not
+    /// match the checksum that they state, or hold a pose that is not finite.
     pub fn decode(bytes: &[u8]) -> Result<Self, EnvelopeError> {
         if bytes.len() > MAX_MESSAGE_BYTES {
             return Err(EnvelopeError::TooLong { got: bytes.len(), max: MAX_MESSAGE_BYTES });

@@ -46,7 +46,7 @@ pub struct Detection {
 pub struct Frame {
     /// k.
     pub step: Step,
-    /// The pose the frame was taken from, as far as the agent knows.
+    /// The pose that the frame was taken from, as estimated by the agent.
     pub pose: Pose,
     /// One label per pixel.
     pub labels: Vec<Label>,

@@ -1,4 +1,4 @@
-//! The pixels of a frame on their way from a world to an agent's process: labels in runs, distances
+//! The wire format of the pixels of a frame, from a world to an agent's process: labels in runs, distances
 //! only where an agent reads them.
 //!
 //! All numbers are little-endian. First a `u32`, how many runs there are; then the runs, `u32` each:
@@ -6,37 +6,37 @@
 //! Then a `u16` for each pixel labelled Obstacle or Target, row by row: its noisy depth in steps of
 //! d_max/65535. The ground's distance follows from its plane and is not sent: there `depth` is 0.
 //!
-//! Quantised depths are what a frame consists of in any case, and [`CameraModel::depth_interval_m`]
-//! widens each by half a step; so nothing is lost on the way, and the guarantee is the same.
+//! A frame holds quantised depths in any case, and [`CameraModel::depth_interval_m`] widens each by half a
+//! step. So the wire format loses nothing, and the guarantee is the same.
 //!
 //! [`CameraModel::depth_interval_m`]: crate::camera::CameraModel::depth_interval_m
 
 use crate::frame::Label;
 
-/// The longest run that is written, pixels.
+/// The longest run, pixels.
 const MAX_RUN: u32 = (1 << 24) - 1;
 
-/// Why pixels were not understood.
+/// Why bytes are not the pixels of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PixelsError {
-    /// Not as long as it says.
+    /// Their length differs from the stated one.
     #[error("pixels of {got} bytes, expected {expected}")]
     Length {
         /// Its length.
         got: usize,
-        /// What its first part announces.
+        /// The length that the first part states.
         expected: usize,
     },
     /// There is no such label.
     #[error("pixels of label {got}, expected 0 to 3")]
     Label {
-        /// What it says.
+        /// The label.
         got: u32,
     },
     /// The runs do not cover the image.
     #[error("runs cover {got} pixels, expected {expected}")]
     Cover {
-        /// How many they cover.
+        /// Pixels that they cover.
         got: u64,
         /// Rows times columns.
         expected: usize,

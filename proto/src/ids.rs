@@ -1,4 +1,4 @@
-//! Who is who.
+//! Identifiers of agents, targets, incarnations, runs and radios.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,16 +24,16 @@ id!(
     AgentId(u16)
 );
 id!(
-    /// One target, 0-based, below [`MAX_TARGETS`]. Agents learn of indexes only through detections.
+    /// One target, 0-based, below [`MAX_TARGETS`]. Agents learn indexes only from detections.
     TargetId(u16)
 );
 
-/// More targets than this are nowhere accepted: each that is known of costs time in every step.
+/// The greatest number of targets that is accepted: each known target takes time in every step.
 pub const MAX_TARGETS: u16 = 1024;
 
 id!(
-    /// How often an agent has been restarted: 0 at the start of the run. A higher incarnation
-    /// begins with empty knowledge and a new sequence.
+    /// The number of restarts of an agent: 0 at the start of the run. A new incarnation begins without
+    /// knowledge and with a new sequence.
     Incarnation(u32)
 );
 id!(

@@ -1,18 +1,17 @@
-//! Key expressions: where in Zenoh's space of names what is said (docs/topics.md).
+//! The Zenoh key expressions of a run (docs/topics.md).
 //!
-//! Everything of a run lies under `csat/{run}/`. Agents' messages are under `link`, what a world and
-//! its agents' processes need to fly under `uav`, `clock` and `join`, mirrors for people under `view`
-//! and `truth` (docs/topics.md), who is there under `alive`, and what late joiners ask for under
-//! `state`.
+//! All keys of a run are under `csat/{run}/`: the agents' messages under `link`, the protocol between the
+//! world and the agents' processes under `uav`, `clock` and `join`, what users see under `view` and `truth`,
+//! liveliness tokens under `alive`, and the answers to agents that join late under `state`.
 
 use crate::ids::{AgentId, ChannelId, RunId};
 
-/// The names of one run.
+/// The keys of one run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Keys(pub RunId);
 
 impl Keys {
-    /// A name below `csat/{run}/`.
+    /// A key below `csat/{run}/`.
     pub fn of(self, name: &str) -> String {
         format!("csat/{}/{name}", self.0)
     }
@@ -22,7 +21,7 @@ impl Keys {
         self.of(&format!("link/{src}/{channel}"))
     }
 
-    /// Signs of life of `src` on the way that its messages take, before it flies.
+    /// Probes of `src` on the path of its messages, before it flies.
     pub fn probe(self, src: AgentId) -> String {
         self.of(&format!("link/{src}/probe"))
     }
@@ -37,22 +36,22 @@ impl Keys {
         self.of(&format!("uav/{agent}/frame"))
     }
 
-    /// An agent's answers: when it is done, and what it commands.
+    /// When an agent is done with a turn, and its commands.
     pub fn command(self, agent: AgentId) -> String {
         self.of(&format!("uav/{agent}/command"))
     }
 
-    /// Whom an agent's process hears.
+    /// Which processes an agent's process hears.
     pub fn ready(self, agent: AgentId) -> String {
         self.of(&format!("uav/{agent}/ready"))
     }
 
-    /// What an agent tells the monitor and the recorder.
+    /// The reports of an agent to the monitor and the recorder.
     pub fn report(self, agent: AgentId) -> String {
         self.of(&format!("uav/{agent}/report"))
     }
 
-    /// What the world says to all processes.
+    /// The orders of the world to all processes.
     pub fn clock(self) -> String {
         self.of("clock")
     }
@@ -62,27 +61,27 @@ impl Keys {
         self.of(&format!("join/{agent}"))
     }
 
-    /// The token of an agent's process.
+    /// The liveliness token of an agent's process.
     pub fn alive(self, agent: AgentId) -> String {
         self.of(&format!("alive/{agent}"))
     }
 
-    /// The token of the world's process.
+    /// The liveliness token of the world's process.
     pub fn alive_world(self) -> String {
         self.of("alive/world")
     }
 
-    /// What an agent shows people.
+    /// What users see of an agent.
     pub fn view(self, agent: AgentId, topic: &str) -> String {
         self.of(&format!("view/{agent}/{topic}"))
     }
 
-    /// What the world shows people.
+    /// What users see of the world.
     pub fn truth(self, topic: &str) -> String {
         self.of(&format!("truth/{topic}"))
     }
 
-    /// What an agent answers to whoever joins late.
+    /// The answers of an agent to agents that join late.
     pub fn state(self, agent: AgentId, topic: &str) -> String {
         self.of(&format!("state/{agent}/{topic}"))
     }
@@ -94,7 +93,7 @@ pub fn split(key: &str) -> Option<(RunId, &str)> {
     Some((RunId(run.parse().ok()?), name))
 }
 
-/// The agent and the rest of a name: `link/3/probe` below `link` is `(3, "probe")`.
+/// The agent and the rest of a key: `link/3/probe` below `link` is `(3, "probe")`.
 pub fn split_agent<'a>(name: &'a str, below: &str) -> Option<(AgentId, &'a str)> {
     let rest = name.strip_prefix(below)?.strip_prefix('/')?;
     let (agent, rest) = rest.split_once('/').unwrap_or((rest, ""));

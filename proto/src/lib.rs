@@ -2,24 +2,47 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`ids`] | who is who |
+//! | [`ids`] | identifiers of agents, targets, incarnations, runs and radios |
 //! | [`time`] | simulated time and steps |
-//! | [`model`] | what every party agrees on before the start: region, targets, fleet, period |
+//! | [`model`] | what all are told before the start: region, targets, fleet |
 //! | [`camera`] | the pinhole camera: rays, projection, image-to-ground homography |
-//! | [`command`] | what agents tell their vehicles |
 //! | [`frame`] | what a camera and its computer-vision system report |
-//! | [`frame_wire`] | its pixels on their way to an agent's process |
-//! | [`control`] | what a world and the processes of its agents say to each other |
-//! | [`keys`] | where in Zenoh's space of names what is said |
 //! | [`region`] | planar sets on an integer grid |
-//! | [`raster`] | coarse planar sets as bit rows, for what needs no guarantee |
+//! | [`raster`] | planar sets as rows of bits, for what needs no guarantee |
 //! | [`oem`] | cells of the occupancy-elevation map |
-//! | [`message`] | what agents of the set-membership mission say |
-//! | [`envelope`] | how any message travels: header, checksum, body |
-//! | [`radio`] | what is physical about a message, and what a receiver gets |
+//! | [`message`] | the messages of the set-membership mission |
+//! | [`envelope`] | the wire format of messages: header, checksum, body |
+//! | [`radio`] | the physical properties of a message, and what a receiver gets |
 //! | [`agent`] | the interface of a sans-I/O agent |
+//! | [`command`] | commands of agents to their vehicles |
+//! | [`control`] | the protocol between a world and the processes of its agents |
+//! | [`frame_wire`] | the wire format of a frame's pixels in that protocol |
+//! | [`keys`] | the Zenoh key expressions of a run |
 //!
 //! Frame `world`: metres, East-North-Up, origin at the centre of the region of interest.
+//!
+//! ```
+//! use csat_proto::camera::Pose;
+//! use csat_proto::envelope::Envelope;
+//! use csat_proto::ids::{AgentId, ChannelId, Incarnation, RunId};
+//! use csat_proto::time::{SimTime, Step};
+//!
+//! let envelope = Envelope {
+//!     run: RunId(7),
+//!     src: AgentId(2),
+//!     incarnation: Incarnation(0),
+//!     channel: ChannelId(0),
+//!     sequence: 41,
+//!     step: Step(20),
+//!     time: SimTime::from_seconds(10.0),
+//!     pose: Pose::level([12.0, -3.5, 52.0], 0.0),
+//!     body: b"the encoded message".to_vec(),
+//! };
+//! let mut bytes = envelope.encode();
+//! assert_eq!(Envelope::decode(&bytes), Ok(envelope));
+//! bytes[20] ^= 1;
+//! assert!(Envelope::decode(&bytes).is_err(), "the checksum detects the damage");
+//! ```
 
 pub mod agent;
 pub mod camera;

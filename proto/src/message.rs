@@ -1,4 +1,4 @@
-//! What agents of the set-membership mission say (docs/links.md, "What agents say").
+//! The messages of the set-membership mission (docs/links.md, "What agents say").
 //!
 //! Facts and snapshots are stamped, self-contained and atomic: each is applied whole or not at all,
 //! and applying them in any order, or twice, gives the same knowledge.
@@ -23,22 +23,23 @@ pub struct TargetFact {
     pub exclusion: Region,
 }
 
-/// How many facts of one life of one agent somebody holds, without gaps from its first one on.
+/// How many facts of one incarnation of an agent the sender holds, without gaps from the first fact on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct HeldFacts {
-    /// Whose facts.
+    /// The agent that stated the facts.
     pub origin: AgentId,
-    /// Of which life.
+    /// Its incarnation.
     pub incarnation: Incarnation,
-    /// How many: those numbered 0 to `count` - 1.
+    /// The facts numbered 0 to `count` - 1 are held.
     pub count: u32,
 }
 
-/// What the sender holds, for others to see what it lacks (docs/links.md, "What agents
-/// say"). Empty in modes that repair nothing.
+/// What the sender holds, from which receivers see which facts it is missing (docs/links.md, "What agents
+/// say"). Empty in modes without repair.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Digest {
-    /// Facts that its knowledge contains, by increasing origin and incarnation. None: it does not say.
+    /// Facts that its knowledge contains, by increasing origin and incarnation; empty if the sender does
+    /// not tell.
     pub facts: Vec<HeldFacts>,
     /// A hash of each block of its OEM, row-major.
     pub oem: Vec<u16>,
@@ -49,7 +50,7 @@ pub struct Digest {
 pub struct Fact {
     /// The step of the frame.
     pub step: Step,
-    /// How many facts the sender stated before in this life.
+    /// How many facts this incarnation of the sender stated before.
     pub number: u32,
     /// What the sender held before this frame.
     pub held: Digest,
@@ -61,17 +62,17 @@ pub struct Fact {
     pub targets: Vec<TargetFact>,
     /// H^CVS (4.23): ground hidden in this frame.
     pub hidden: Raster,
-    /// Ground seen in this frame, on the same grid: it ends being hidden (5.43).
+    /// Ground seen in this frame, on the same grid: it is no longer hidden (5.43).
     pub seen: Raster,
-    /// Cells of the OEM by increasing index: those that this frame changed for the sender, and those
-    /// that others lack.
+    /// Cells of the OEM by increasing index: those that this frame changed for the sender, and those that
+    /// other agents are missing.
     pub oem: OemPatch,
 }
 
 /// What the sender knew before a frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Known {
-    /// The step it knew this at: the one before the frame's, or the frame's own if it was the first.
+    /// The step of this knowledge: the step before the frame, or the step of the frame if it was the first.
     pub step: Step,
     /// L and X_j, by increasing index, outer.
     pub targets: Vec<(TargetId, Region)>,
@@ -84,10 +85,10 @@ pub struct Known {
 /// One frame's measurements and everything that was known before.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
-    /// The frame. [`Fact::held`] lists the facts that `known` contains, unless `known` was simplified too
-    /// much to replace them.
+    /// The fact of the frame. [`Fact::held`] lists the facts that `known` contains, unless `known` was
+    /// simplified too much to replace them.
     pub fact: Fact,
-    /// The rest.
+    /// What was known before.
     pub known: Known,
 }
 

@@ -1,5 +1,5 @@
-//! What every party agrees on before the start: the region of interest, what is
-//! known of the targets, and how the fleet moves.
+//! What the world and all agents are told before the start: the region of interest, what is known of the
+//! targets, and how the fleet moves.
 
 use std::path::PathBuf;
 
@@ -26,21 +26,21 @@ impl Ground {
     }
 }
 
-/// How the cars drive; agents never know.
+/// How the cars drive; agents are not told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Driving {
     /// On the roads, each at a constant speed of its own between 0 and v_max (5.34).
     #[default]
     Roads,
-    /// Off the roads at v_max, as badly as the model allows: straight on and along walls, away from the
-    /// UAVs, or into the ground that a UAV has just looked at.
+    /// Off the roads at v_max, as evasively as the model allows: straight on and along walls, away from the
+    /// UAVs, or onto ground that a UAV has just seen.
     Evasive,
 }
 
 /// `[targets]`: how many cars there are, what bounds their motion and their shape.
 ///
-/// Agents use everything here but `count`, `driving` and `tracks`.
+/// Agents use all of it except `count`, `driving` and `tracks`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TargetsModel {
@@ -81,10 +81,10 @@ impl Default for TargetsModel {
     }
 }
 
-/// How far UAVs keep from buildings, metres: above those that they fly over, beside all others.
+/// The distance that UAVs keep from buildings, metres: above those that they fly over, beside all others.
 pub const FLIGHT_CLEARANCE_M: f64 = 2.0;
 
-/// The launch site reaches as far as a UAV flies in this time, seconds.
+/// The radius of the launch site is the distance that a UAV flies in this time, seconds.
 const LAUNCH_S: f64 = 10.0;
 
 /// Where a UAV starts, at its own altitude.
@@ -110,19 +110,19 @@ pub struct FleetModel {
     pub speed_m_s: f64,
     /// Altitude of UAV 0, in metres; UAV i flies i steps above it.
     pub altitude_m: f64,
-    /// Difference of altitude between consecutive UAVs, in metres; less in a fleet that would not
-    /// fit into `altitude_band_m` else.
+    /// Difference of altitude between consecutive UAVs, in metres; less in a fleet that would otherwise
+    /// exceed `altitude_band_m`.
     pub altitude_step_m: f64,
-    /// Between the altitudes of the first and the last UAV at most, in metres: from far above, a
-    /// camera sees no ground within d_max and no car by enough pixels.
+    /// The most between the altitudes of the first and the last UAV, in metres: from higher up, a camera
+    /// sees no ground within d_max and too few pixels of a car.
     pub altitude_band_m: f64,
     /// How far outside the western border the fleet starts when `start` is empty, in metres.
     pub start_offset_m: f64,
-    /// Where the UAVs start, by index; one pose is a base from which all start.
+    /// Where the UAVs start, by index; a single pose is the start of all UAVs.
     pub start: Vec<StartPose>,
     /// Settling time t_5% of the yaw response, in seconds (thesis figure 5.3).
     pub yaw_settling_s: f64,
-    /// Whether buildings may be higher than the flights, which then go around them.
+    /// Whether buildings may be higher than the UAVs fly; then UAVs fly around them.
     pub avoid_buildings: bool,
 }
 
@@ -134,7 +134,7 @@ impl FleetModel {
         self.altitude_m + f64::from(index) * step_m
     }
 
-    /// Where UAV `index` starts over the region `ground`: at its pose, at the base of all, or
+    /// Where UAV `index` starts over the region `ground`: at its own pose, at the common one, or
     /// `start_offset_m` west of the middle of the western border, heading east.
     pub fn start_of(&self, index: u16, ground: &Ground) -> StartPose {
         let x_m = -ground.size_m[0] / 2.0 - self.start_offset_m;
@@ -143,7 +143,8 @@ impl FleetModel {
         own.copied().unwrap_or(outside)
     }
 
-    /// How far about its start a UAV has room to turn, metres: there no building reaches the flights.
+    /// The radius about its start within which a UAV has room to turn, metres: no building there is as high
+    /// as the UAVs fly.
     pub fn launch_radius_m(&self) -> f64 {
         LAUNCH_S * self.speed_m_s
     }

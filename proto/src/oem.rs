@@ -1,4 +1,4 @@
-//! Cells of the occupancy-elevation map, and how they travel.
+//! Cells of the occupancy-elevation map, and their wire format.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// height (paper §VI-C); heights are decimetres so that equal knowledge is equal bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum OemCell {
-    /// Nothing known.
+    /// Nothing is known of the cell.
     Unexplored,
     /// An obstacle at most this high was seen there, in decimetres.
     Occupied {
@@ -26,7 +26,7 @@ impl OemCell {
         self.max(other)
     }
 
-    /// A number that tells states apart and keeps their order, for hashes.
+    /// A number per state that keeps the order of the states, for hashes.
     pub fn code(self) -> u32 {
         match self {
             Self::Unexplored => 0,
@@ -47,16 +47,16 @@ pub struct OemDelta {
 
 /// Cells of the OEM with their states, by increasing index.
 ///
-/// Runs of equal neighbours are one entry: most of a map is empty ground. A patch that was received
-/// may claim any number of cells: ask [`Self::end`] before walking through them.
+/// A run of equal neighbours is one entry, because most of a map is empty ground. A patch that was received
+/// may claim any number of cells: check [`Self::end`] before iterating over them.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct OemPatch {
-    runs: Vec<Run>,
+    runs: Vec<CellRun>,
 }
 
 /// Neighbouring cells of one state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-struct Run {
+struct CellRun {
     /// Cells between the end of the run before and the start of this one.
     gap: u32,
     length: u32,
@@ -64,14 +64,14 @@ struct Run {
 }
 
 impl OemPatch {
-    /// A patch of cells that come by strictly increasing index.
+    /// A patch of cells in the order of strictly increasing indexes.
     pub fn of(deltas: impl IntoIterator<Item = OemDelta>) -> Self {
-        let mut runs: Vec<Run> = Vec::new();
+        let mut runs: Vec<CellRun> = Vec::new();
         let mut end = 0;
         for OemDelta { cell, state } in deltas {
             match runs.last_mut() {
                 Some(run) if run.state == state && cell == end => run.length += 1,
-                _ => runs.push(Run { gap: cell - end, length: 1, state }),
+                _ => runs.push(CellRun { gap: cell - end, length: 1, state }),
             }
             end = cell + 1;
         }
@@ -104,7 +104,7 @@ impl OemPatch {
         Self { runs: self.runs.iter().take(count).copied().collect() }
     }
 
-    /// Number of runs: what the patch costs on the wire.
+    /// Number of runs, which determines the size of the patch on the wire.
     pub fn runs(&self) -> usize {
         self.runs.len()
     }
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn a_patch_that_claims_any_number_of_cells_says_so() {
-        let run = Run { gap: u32::MAX, length: u32::MAX, state: OemCell::Empty };
+        let run = CellRun { gap: u32::MAX, length: u32::MAX, state: OemCell::Empty };
         let patch = OemPatch { runs: vec![run; 2] };
         assert_eq!(patch.end(), 4 * u64::from(u32::MAX));
         assert_eq!(patch.deltas().count(), 1);

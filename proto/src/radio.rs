@@ -1,4 +1,5 @@
-//! What is physical about a message: no agent says it, and no agent's belief changes it.
+//! The physical properties of a message. Agents do not state them, so what agents believe cannot change
+//! them.
 
 use std::sync::Arc;
 
@@ -8,38 +9,38 @@ use crate::camera::Pose;
 use crate::ids::ChannelId;
 use crate::time::SimTime;
 
-/// What the process around a sender stamps on each message, for the links: the attachment of `link/{i}/{r}`,
-/// as JSON. It is not part of what is sent: it has no bytes in any budget and no fate of its own.
+/// What the process of a sender adds to each message for the links: the attachment of `link/{i}/{r}`, as
+/// JSON. It is not part of the message: it takes no bytes of a budget and has no fate of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PhysicalHeader {
-    /// Where the sender's antenna truly is, `world`, metres; where the sender believes it is, the envelope
-    /// says.
+    /// The true position of the sender's antenna, `world`, metres. The envelope has the position that the
+    /// sender believes.
     pub p_world: [f64; 3],
 }
 
 impl PhysicalHeader {
-    /// Whether it is a place at all.
+    /// Whether the position is finite.
     pub fn is_place(&self) -> bool {
         self.p_world.iter().all(|x| x.is_finite())
     }
 }
 
-/// What a receiver gets of a message that arrives.
+/// A message as its receiver gets it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reception {
     /// The radio.
     pub channel: ChannelId,
     /// When it arrived.
     pub at: SimTime,
-    /// Where it came from: the angle from the receiver's nose to the place of the sender when it sent,
-    /// in the horizontal plane, counter-clockwise, radians in (-π, π].
+    /// The angle of arrival: from the receiver's nose to the position of the sender when it sent, in the
+    /// horizontal plane, counter-clockwise, radians in (-π, π].
     pub bearing_rad: f64,
     /// The encoded [`Envelope`](crate::envelope::Envelope).
     pub bytes: Arc<[u8]>,
 }
 
-/// The bearing of a point, `world`, metres, from an agent at `pose`: see [`Reception::bearing_rad`]. 0
-/// straight above or below it.
+/// The bearing of a point, `world`, metres, from an agent at `pose`: see [`Reception::bearing_rad`]. 0 for a
+/// point straight above or below the agent.
 pub fn bearing_rad(pose: &Pose, p_world: [f64; 3]) -> f64 {
     let [x, y] = [0, 1].map(|axis| p_world[axis] - pose.p_world[axis]);
     if x == 0.0 && y == 0.0 {

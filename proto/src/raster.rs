@@ -1,4 +1,4 @@
-//! Coarse planar sets as bit rows, for what needs no guarantee: hidden ground, planning, metrics.
+//! Planar sets as rows of bits. They carry no guarantee: hidden ground, planning, metrics.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -224,15 +224,16 @@ impl Raster {
         })
     }
 
-    /// out = the cells whose centres are at most `radius_m` from a cell of self, taken as a square:
-    /// self ⊕ disc, sampled at the centres. What leaves the grid is lost; what `out` held, too.
+    /// out = the cells whose centres are at most `radius_m` from a cell of self, taken as a square: self ⊕
+    /// disc, sampled at the centres and cut at the border of the grid. The former content of `out` is
+    /// overwritten.
     pub fn dilate_disc_into(&self, radius_m: f64, out: &mut Raster) {
         debug_assert_eq!(self.grid, out.grid, "rasters of one grid");
         out.words.fill(0);
         let reaches = disc_reaches(radius_m / self.grid.cell_m);
         let last_word = u64::MAX >> (self.words_per_row as u32 * 64 - self.grid.columns);
         let (mut spread, mut reached) = (self.words.clone(), 0);
-        // The farther the row, the shorter the reach along it: farthest first, growing on.
+        // The reach within a row decreases with its distance: `spread` grows from the farthest row inward.
         for (offset, &reach) in reaches.iter().enumerate().rev() {
             if reach > reached {
                 for row in spread.chunks_exact_mut(self.words_per_row) {
@@ -256,8 +257,8 @@ impl Raster {
         out
     }
 
-    /// The lengths of the runs of absent and present cells in row-major order, absent first; the last
-    /// run, which ends with the grid, is left out.
+    /// The lengths of the runs of absent and present cells in row-major order, absent first, without the last
+    /// run, which ends with the grid.
     fn runs(&self) -> Vec<u32> {
         let mut runs = Vec::new();
         let (mut present, mut length) = (false, 0);
@@ -267,7 +268,7 @@ impl Raster {
                 let (mut word, mut bits) = (word, left.min(64));
                 left -= bits;
                 while bits > 0 {
-                    // How many of the next cells are like those of the current run.
+                    // How many of the next cells belong to the current run.
                     let others = if present { !word } else { word };
                     let alike = others.trailing_zeros().min(bits);
                     length += alike;
@@ -287,7 +288,7 @@ impl Raster {
 /// By row offset 0, 1, …: how many columns a disc of `radius` cells reaches from a square cell to
 /// centres of that row. Non-increasing.
 fn disc_reaches(radius: f64) -> Vec<u32> {
-    // A centre exactly on the circle belongs to it, whatever the rounding.
+    // A centre exactly on the circle belongs to the disc, despite rounding.
     let radius = radius.max(0.0) + 1e-9;
     let reach = |offset: u32| {
         let gap = (f64::from(offset) - 0.5).max(0.0);
@@ -301,7 +302,7 @@ fn disc_reaches(radius: f64) -> Vec<u32> {
 fn spread_bits(words: &mut [u64], reach: u32) {
     let mut done = 0;
     while done < reach {
-        // Runs are at least 2·done + 1 long by now, so a shift by that much leaves no gap.
+        // Each run has at least 2·done + 1 bits now, so a shift by that much leaves no gap.
         let shift = (2 * done + 1).min(reach - done).min(63);
         let mut before = 0;
         for i in 0..words.len() {
@@ -342,7 +343,7 @@ impl<'de> Deserialize<'de> for Raster {
         use serde::de::Error;
         let (grid, runs) = <(Grid, Vec<u32>)>::deserialize(deserializer)?;
         let cells = u64::from(grid.columns) * u64::from(grid.rows);
-        // Rows are whole words: a narrow grid would take up to 64 times the memory of its cells.
+        // Rows are whole words: a narrow grid takes up to 64 times the memory of its cells.
         let room = u64::from(grid.columns).next_multiple_of(64) * u64::from(grid.rows);
         if !(grid.cell_m.is_finite() && grid.cell_m > 0.0) || cells == 0 || room > MAX_CELLS {
             return Err(D::Error::custom("raster grid of an impossible size"));

@@ -1,7 +1,7 @@
 //! Planar sets: polygons with holes on an integer grid.
 //!
-//! Every set of the estimator lives on one grid of 2^-18 m (3.8 µm) so that Boolean operations,
-//! messages and digests are the same bits everywhere. The grid spans ±4096 m.
+//! Every set of the estimator has its vertices on one grid of 2^-18 m (3.8 µm), so that Boolean operations,
+//! messages and digests are the same bits on every machine. The grid spans ±4096 m.
 
 use i_overlay::i_float::int::point::IntPoint;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -105,8 +105,8 @@ where
     })
 }
 
-/// A planar set: disjoint shapes in `world`. What it says of a guarantee (outer or inner) is the
-/// business of `csat-agent`'s types.
+/// A planar set: disjoint shapes in `world`. The types of `csat-agent` say whether it is an outer or an
+/// inner approximation.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Region {
     shapes: Vec<Shape>,
@@ -179,8 +179,8 @@ impl Region {
         GridBox::around(self.shapes.iter().filter_map(|s| s.first()).flatten())
     }
 
-    /// Whether a point (metres) lies in the set. On the boundary either answer is possible: ask
-    /// [`Self::distance_m`] when that matters.
+    /// Whether a point (metres) lies in the set. On the boundary either answer is possible; use
+    /// [`Self::distance_m`] where that matters.
     pub fn contains(&self, p: [f64; 2]) -> bool {
         let edges = self.rings().flat_map(|ring| {
             let starts = ring.last().into_iter().chain(ring);
@@ -219,7 +219,7 @@ fn distance_to_segment_squared(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     x * x + y * y
 }
 
-/// On the wire a region is its rings, each point as the difference from the one before: nearby
+/// On the wire a region is its rings, each point as the difference from the point before, so that nearby
 /// points take few bytes.
 impl Serialize for Region {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -311,7 +311,7 @@ mod tests {
     fn degenerate_rings_and_far_points_are_refused() {
         let two_points = vec![vec![vec![(0i64, 0i64), (1, 1)]]];
         let far = vec![vec![vec![(0i64, 0i64), (1 << 40, 1), (0, 5)]]];
-        // The one number without an absolute value; a fuzzer found it.
+        // The only number without an absolute value.
         let farthest = vec![vec![vec![(i64::MIN, 0i64), (0, 1), (0, 5)]]];
         for wire in [two_points, far, farthest, vec![vec![]]] {
             let bytes = postcard::to_stdvec(&wire).unwrap();

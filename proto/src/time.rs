@@ -1,4 +1,4 @@
-//! Simulated time. Nothing in the core crates reads a clock.
+//! Simulated time. No core crate reads a clock.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct Step(pub u32);
 
 impl Step {
-    /// The step that is `steps` later; the last one there is, if there are not so many.
+    /// The step that is `steps` later, at most the greatest step.
     pub fn after(self, steps: u32) -> Self {
         Self(self.0.saturating_add(steps))
     }

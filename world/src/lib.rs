@@ -1,22 +1,36 @@
-//! What is true: the town, the cars, the UAVs, what their cameras report, and the monitor that
-//! checks the guarantee from outside.
+//! What is true: the town, the cars, the UAVs, the frames of their cameras, and the monitor that checks the
+//! guarantee from outside the agents.
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`world`] | everything that is true, one period at a time |
+//! | [`world`] | the state of the world, which advances by one period at a time |
 //! | [`map`] | the town: generated from a seed, or from a GeoJSON file |
 //! | [`obstacle`] | buildings, and exact distances to them |
 //! | [`road`] | where cars can drive |
 //! | [`target`] | the cars |
-//! | [`track`] | cars that follow tracks instead of driving on their own |
-//! | [`uav`] | how UAVs move: what else flies implements its trait |
-//! | [`scene`] | what a camera can see of all that |
-//! | [`camera`] | a frame with exact labels, and the oracle that checks it |
-//! | [`radio`] | what buildings do to radio |
+//! | [`track`] | tracks that cars follow instead of driving on their own |
+//! | `uav` | how UAVs move; a new kind of vehicle implements its trait |
+//! | [`scene`] | the solids that cameras see |
+//! | [`camera`] | frames with exact labels, and the oracle that checks them |
+//! | [`radio`] | buildings as obstructions of radio |
 //! | [`truth`] | the monitor |
 //!
 //! Lengths are metres in the frame `world` of [`csat_proto`] (East-North-Up, origin in the middle of
 //! the region), angles radians counter-clockwise from east, times seconds.
+//!
+//! ```
+//! use csat_proto::ids::AgentId;
+//! use csat_world::camera::Renderer;
+//! use csat_world::world::{World, WorldConfig};
+//!
+//! let mut world = World::new(&WorldConfig::default(), 1)?;
+//! world.advance();
+//! let mut renderer = Renderer::new(world.config().camera);
+//! let pose = world.poses()[0];
+//! let frame = renderer.frame(&world.scene(), &pose, world.step(), 1, AgentId(0));
+//! assert_eq!(frame.labels.len(), renderer.model().pixels());
+//! # Ok::<(), csat_world::world::WorldErrors>(())
+//! ```
 
 pub mod camera;
 pub mod map;
@@ -29,5 +43,5 @@ pub mod scene;
 pub mod target;
 pub mod track;
 pub mod truth;
-pub mod uav;
+mod uav;
 pub mod world;

@@ -14,7 +14,7 @@ pub struct Obstacle {
     pub footprint: Polygon<f64>,
     /// Height of the top, metres.
     pub height_m: f64,
-    /// What the map calls it: the ids of the features it was made from, or its generated type.
+    /// Its name: the ids of the features that it was made from, or its generated type.
     pub name: String,
 }
 
@@ -32,7 +32,7 @@ impl Obstacle {
         self.footprint.unsigned_area()
     }
 
-    /// What a camera sees of it. `index` is its place in the map's list.
+    /// The solid that cameras see. `index` is its position in the list of the map.
     pub fn prism(&self, index: u32) -> Prism {
         Prism {
             entity: Entity::Obstacle(index),
@@ -42,14 +42,14 @@ impl Obstacle {
     }
 }
 
-/// The footprints of a map's obstacles, ready for exact distance queries.
+/// The footprints of a map's obstacles, prepared for exact distance queries.
 #[derive(Debug, Clone, Default)]
 pub struct Walls {
-    footprints: Vec<Footprint>,
+    footprints: Vec<FootprintEdges>,
 }
 
 #[derive(Debug, Clone)]
-struct Footprint {
+struct FootprintEdges {
     height_m: f64,
     bounds: Bounds,
     edges: Vec<[Point; 2]>,
@@ -58,7 +58,7 @@ struct Footprint {
 impl Walls {
     /// The walls of `obstacles`, in the same order.
     pub fn new(obstacles: &[Obstacle]) -> Self {
-        Self { footprints: obstacles.iter().map(Footprint::new).collect() }
+        Self { footprints: obstacles.iter().map(FootprintEdges::new).collect() }
     }
 
     /// The obstacle nearest to `p_world` among those nearer than `reach_m`, and its distance: 0 in
@@ -67,7 +67,7 @@ impl Walls {
         self.nearest_above(f64::NEG_INFINITY, p_world, reach_m)
     }
 
-    /// The same among obstacles that are higher than `height_m`.
+    /// The nearest one among obstacles that are higher than `height_m`.
     pub fn nearest_above(
         &self,
         height_m: f64,
@@ -76,9 +76,9 @@ impl Walls {
     ) -> Option<(usize, f64)> {
         let mut nearest = None;
         let mut reach = reach_m;
-        let high = |(_, footprint): &(usize, &Footprint)| footprint.height_m > height_m;
+        let high = |(_, footprint): &(usize, &FootprintEdges)| footprint.height_m > height_m;
         for (index, footprint) in self.footprints.iter().enumerate().filter(high) {
-            // The box is only a filter: a hair wider, so that rounding cannot hide a wall.
+            // The box is only a filter; it is slightly wider, so that rounding cannot hide a wall.
             if footprint.bounds.grown(reach * (1.0 + 1e-9)).contains(p_world) {
                 let distance = footprint.distance_m(p_world);
                 if distance < reach {
@@ -89,8 +89,8 @@ impl Walls {
         nearest
     }
 
-    /// The index and the walls of every obstacle whose bounding box comes within `reach_m` of the
-    /// segment's.
+    /// The index and the walls of every obstacle whose bounding box is within `reach_m` of the bounding box
+    /// of the segment.
     pub(crate) fn near_segment(
         &self,
         [a, b]: [Point; 2],
@@ -105,7 +105,7 @@ impl Walls {
     }
 }
 
-impl Footprint {
+impl FootprintEdges {
     fn new(obstacle: &Obstacle) -> Self {
         let mut edges = Vec::new();
         for ring in obstacle.rings() {

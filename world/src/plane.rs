@@ -37,8 +37,8 @@ pub(crate) fn distance_to_segment_m(p: Point, a: Point, b: Point) -> f64 {
 }
 
 /// The parameters t in [0, 1] for which `p + t (q − p)` is within `radius` of the segment from `a`
-/// to `b`. One interval, since all points that near a segment form a convex set: two discs and a
-/// rectangle.
+/// to `b`. They are one interval, since the points within a radius of a segment form a convex set: two
+/// discs and a rectangle.
 pub(crate) fn interval_near_segment(
     [p, q]: [Point; 2],
     [a, b]: [Point; 2],
@@ -107,7 +107,7 @@ pub(crate) fn segment_distance_m([p, q]: [Point; 2], [a, b]: [Point; 2]) -> f64 
     if crossing([p, q], [a, b]).is_some() {
         return 0.0;
     }
-    // Segments that do not cross are nearest at an end of one of them.
+    // The distance of segments that do not cross is attained at an end of one of them.
     let ends = [
         distance_to_segment_m(p, a, b),
         distance_to_segment_m(q, a, b),
@@ -176,7 +176,7 @@ mod tests {
                 let t = f64::from(i) / 200.0;
                 let distance = distance_to_segment_m(between(p, q, t), a, b);
                 let inside = interval.is_some_and(|[lo, hi]| lo <= t && t <= hi);
-                // On the rim either answer is right.
+                // On the border either answer is right.
                 if (distance - radius).abs() > 1e-9 {
                     prop_assert_eq!(inside, distance < radius, "t {} distance {}", t, distance);
                 }

@@ -1,4 +1,4 @@
-//! What buildings do to radio: whether one stands between two antennas.
+//! Buildings as obstructions of radio: whether one stands between two antennas.
 
 use csat_netem::propagation::Obstruction;
 use nalgebra::Vector3;
@@ -7,12 +7,12 @@ use crate::camera::oracle::{Hit, Oracle};
 use crate::obstacle::Obstacle;
 use crate::scene::Scene;
 
-/// No antenna is lower than this, metres.
+/// Antennas that are lower are raised to this height, metres.
 const LOWEST_M: f64 = 0.01;
 
-/// The buildings of a town, for lines of sight. Cars are too low and too small to matter.
+/// The buildings of a town, for lines of sight. Cars are left out: they are too low and too small.
 ///
-/// The rays are parry's, as in the oracle that checks the renderer.
+/// Rays are cast by parry, as in the oracle that checks the renderer.
 pub struct Buildings {
     oracle: Oracle,
 }
@@ -27,14 +27,14 @@ impl Buildings {
 
 impl Obstruction for Buildings {
     fn blocked(&self, a: [f64; 3], b: [f64; 3]) -> bool {
-        // The order of the ends must not matter, not even to rounding: a link is one both ways.
+        // Sorted ends give the same result in both directions, to the last bit.
         let ordered = a.iter().zip(&b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne());
         let [from, to] = match ordered {
             None => return false,
             Some(order) if order.is_lt() => [a, b],
             Some(_) => [b, a],
         };
-        // Along the ground a ray would pass between floor and wall.
+        // A ray along the ground could pass between floor and wall.
         let raised = |[x, y, z]: [f64; 3]| Vector3::new(x, y, z.max(LOWEST_M));
         let (from, to) = (raised(from), raised(to));
         let distance_m = (to - from).norm();
@@ -86,8 +86,8 @@ mod tests {
     }
 
     proptest! {
-        /// Against samples along the line: a sample inside the walls is an obstruction, and an
-        /// obstruction has a stretch inside the walls unless it is tiny.
+        /// Against samples along the line: a sample inside the walls is an obstruction, and every obstruction
+        /// that is not tiny has a sample inside the walls.
         #[test]
         fn lines_agree_with_points_along_them(
             a in [-20.0..30.0, -20.0..30.0, 0.1..30.0f64],

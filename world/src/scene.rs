@@ -1,8 +1,8 @@
-//! What a camera can see: vertical prisms standing on the ground.
+//! What cameras see: vertical prisms that stand on the ground.
 
 use csat_proto::ids::TargetId;
 
-/// Which thing a ray met.
+/// The thing that a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Entity {
     /// The obstacle of this index.
@@ -14,7 +14,7 @@ pub enum Entity {
 /// A simple polygon with holes extruded from z = 0 to `height_m`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prism {
-    /// Whose body this is.
+    /// The thing that has this body.
     pub entity: Entity,
     /// Outer ring counter-clockwise, then holes clockwise; `world`, metres; not closed.
     pub rings: Vec<Vec<[f64; 2]>>,

@@ -1,4 +1,4 @@
-//! The cars: where they truly are ((5.34), (3.8), (3.11)).
+//! The cars and their true locations ((5.34), (3.8), (3.11)).
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,7 +9,7 @@ use rand::seq::IndexedRandom;
 use rand_chacha::ChaCha8Rng;
 
 use crate::plane::{Point, distance_m};
-use crate::random::{Purpose, stream};
+use crate::random::{StreamPurpose, stream};
 use crate::road::{Arm, RoadGraph};
 use crate::scene::{Entity, Prism};
 
@@ -18,12 +18,12 @@ mod evade;
 pub(crate) use evade::{Chase, Watcher};
 
 /// Bound on the rate at which a car's body turns, rad/s.
-pub const MAX_TURN_RATE_RAD_S: f64 = 1.0;
+pub(crate) const MAX_TURN_RATE_RAD_S: f64 = 1.0;
 
-/// Kept beyond the separations that the model demands, so that rounding cannot break them, metres.
-pub const SEPARATION_MARGIN_M: f64 = 0.05;
+/// Added to the separations that the model requires, so that rounding cannot break them, metres.
+pub(crate) const SEPARATION_MARGIN_M: f64 = 0.05;
 
-/// Random places tried for a car before the roads are searched from end to end.
+/// Random places that are tried for a car before the roads are searched from end to end.
 const PLACEMENT_DRAWS: u32 = 1000;
 /// Distance between the places of that search, metres.
 const PLACEMENT_STEP_M: f64 = 0.5;
@@ -33,18 +33,18 @@ const MAX_JUNCTIONS_PER_STEP: u32 = 1000;
 /// What is true of one target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TargetTruth {
-    /// Which one.
+    /// Its index.
     pub id: TargetId,
     /// x^g: projection of the centre on the ground, `world`, metres.
     pub location: [f64; 2],
-    /// Where the body points, counter-clockwise from east, radians.
+    /// The direction of the body, counter-clockwise from east, radians.
     pub heading_rad: f64,
     /// The speed it drives at unless it yields, m/s.
     pub speed_m_s: f64,
 }
 
 impl TargetTruth {
-    /// What a camera sees of it: an oriented box of `body_m` (length, width, height).
+    /// The solid that cameras see: an oriented box of `body_m` (length, width, height).
     pub fn prism(&self, body_m: [f64; 3]) -> Prism {
         let (sin, cos) = self.heading_rad.sin_cos();
         let [l, w, height_m] = [body_m[0] / 2.0, body_m[1] / 2.0, body_m[2]];
@@ -58,7 +58,7 @@ impl TargetTruth {
 
 /// How far a car's location has to stay from every wall, margin included, metres: r_s^to, and no
 /// less than half the body's diagonal, so that solids never overlap.
-pub fn road_clearance_m(model: &TargetsModel) -> f64 {
+pub(crate) fn road_clearance_m(model: &TargetsModel) -> f64 {
     let half_diagonal_m = model.body_m[0].hypot(model.body_m[1]) / 2.0;
     model.obstacle_distance_m.max(half_diagonal_m) + SEPARATION_MARGIN_M
 }
@@ -77,9 +77,9 @@ fn separation_m(model: &TargetsModel) -> f64 {
      or take a map with more roads (now {roads_mapped} mapped)"
 )]
 pub struct PlacementError {
-    /// How many found room.
+    /// Number of cars that found room.
     pub placed: u16,
-    /// How many there are.
+    /// Number of cars.
     pub count: u16,
     /// Usable road, metres.
     pub road_m: f64,
@@ -91,12 +91,11 @@ pub struct PlacementError {
 
 /// All cars on the roads of a town.
 ///
-/// Each drives at its own constant speed, takes a random turn at every junction and turns round at
-/// dead ends. Cars move one after the other, each only if that leaves it far enough from the
-/// places where all others are right then; so separation holds throughout by induction. One that
-/// had to wait for a while turns round.
+/// Each car drives at its own constant speed, takes a random turn at every junction and turns round at dead
+/// ends. Cars move one after the other. A car moves only if it stays far enough from the current locations
+/// of all others, so by induction the separation always holds. A car that waited for a while turns round.
 #[derive(Debug, Clone)]
-pub struct Traffic {
+pub(crate) struct Traffic {
     cars: Vec<Car>,
     truths: Vec<TargetTruth>,
     separation_m: f64,
@@ -104,34 +103,35 @@ pub struct Traffic {
 
 #[derive(Debug, Clone)]
 struct Car {
-    place: Place,
+    place: RoadPlace,
     rng: ChaCha8Rng,
     /// Steps spent waiting.
     waited: u32,
-    /// Steps after which it turns round: its own, so that no two stay locked in step.
+    /// Steps after which it turns round. It differs from car to car, so that no two block each other for
+    /// ever.
     patience: u32,
-    /// What it wants when it evades.
+    /// Its manner when it evades.
     manner: evade::Manner,
-    /// Where it last drove when it evades, counter-clockwise from east, radians.
+    /// Its last direction when it evades, counter-clockwise from east, radians.
     course_rad: f64,
 }
 
-/// Where on the graph, and which way.
+/// A place on the road graph, and a direction.
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct RoadPlace {
     arm: Arm,
-    /// Arc length from the beginning of the edge, whichever way the car drives, metres.
+    /// Arc length from the beginning of the edge, for either direction of the car, metres.
     along_m: f64,
 }
 
-impl Place {
+impl RoadPlace {
     fn point(&self, roads: &RoadGraph) -> Point {
         roads.edges()[self.arm.edge].at(self.along_m).0
     }
 
     fn heading_rad(&self, roads: &RoadGraph) -> f64 {
         let edge = &roads.edges()[self.arm.edge];
-        // At a bend, the segment ahead counts for a car that drives against the line.
+        // At a bend, a car that drives against the line is on the segment ahead of it.
         let along_m = if self.arm.forward { self.along_m } else { self.along_m - 1e-9 };
         let direction = edge.at(along_m).1;
         if self.arm.forward { direction } else { direction + PI }
@@ -141,11 +141,11 @@ impl Place {
 impl Traffic {
     /// Puts `model.count` cars on the roads, each at a random place with room around it.
     ///
-    /// `roads_mapped` only serves the error's text.
+    /// `roads_mapped` is used in the text of the error only.
     ///
     /// # Errors
     /// When no place is left for some of them.
-    pub fn place(
+    pub(crate) fn place(
         roads: &RoadGraph,
         roads_mapped: usize,
         model: &TargetsModel,
@@ -154,7 +154,7 @@ impl Traffic {
         let separation_m = separation_m(model);
         let mut traffic = Self { cars: Vec::new(), truths: Vec::new(), separation_m };
         for id in (0..model.count).map(TargetId) {
-            let mut rng = stream(seed, Purpose::Car(id));
+            let mut rng = stream(seed, StreamPurpose::Car(id));
             let drawn_m_s = rng.random_range(0.0..=model.v_max_m_s);
             let speed_m_s = match model.driving {
                 Driving::Roads => drawn_m_s,
@@ -163,8 +163,8 @@ impl Traffic {
             let patience = rng.random_range(4..=12);
             let forward = rng.random_bool(0.5);
             let Some((edge, along_m)) = traffic.find_room(roads, &mut rng) else { continue };
-            let place = Place { arm: Arm { edge, forward }, along_m };
-            let manner = evade::Manner::draw(&mut stream(seed, Purpose::Evader(id)));
+            let place = RoadPlace { arm: Arm { edge, forward }, along_m };
+            let manner = evade::Manner::draw(&mut stream(seed, StreamPurpose::Evader(id)));
             let heading_rad = place.heading_rad(roads);
             let car = Car { place, rng, waited: 0, patience, manner, course_rad: heading_rad };
             traffic.cars.push(car);
@@ -175,7 +175,7 @@ impl Traffic {
         if placed == model.count {
             return Ok(traffic);
         }
-        // Without roads the sum is -0, which nobody wants to read.
+        // Without roads the sum is -0, which would be printed.
         let road_m = roads.length_m() + 0.0;
         Err(PlacementError { placed, count: model.count, road_m, separation_m, roads_mapped })
     }
@@ -206,7 +206,7 @@ impl Traffic {
     }
 
     /// Lets one period of `period_s` seconds pass on the roads.
-    pub fn advance(&mut self, roads: &RoadGraph, period_s: f64) {
+    pub(crate) fn advance(&mut self, roads: &RoadGraph, period_s: f64) {
         for index in 0..self.cars.len() {
             let truth = self.truths[index];
             let mut car = self.cars[index].clone();
@@ -226,7 +226,7 @@ impl Traffic {
     }
 
     /// What is true of every car, by index.
-    pub fn truths(&self) -> &[TargetTruth] {
+    pub(crate) fn truths(&self) -> &[TargetTruth] {
         &self.truths
     }
 }
@@ -236,7 +236,7 @@ impl Car {
     fn drive(&mut self, roads: &RoadGraph, distance_m: f64) {
         let mut rest = distance_m;
         for _ in 0..MAX_JUNCTIONS_PER_STEP {
-            let Place { arm, along_m } = self.place;
+            let RoadPlace { arm, along_m } = self.place;
             let edge = &roads.edges()[arm.edge];
             let ahead = if arm.forward { edge.length_m() - along_m } else { along_m };
             if rest <= ahead {
@@ -249,12 +249,12 @@ impl Car {
         }
     }
 
-    /// Leaves a node by any arm but `back`, the one it came by; by that one at a dead end.
+    /// Leaves a node by a random arm other than `back`, by which it came; at a dead end by `back`.
     fn enter(&mut self, roads: &RoadGraph, node: usize, back: Arm) {
         let onward: Vec<Arm> = roads.arms(node).iter().copied().filter(|a| *a != back).collect();
         let arm = onward.choose(&mut self.rng).copied().unwrap_or(back);
         let along_m = if arm.forward { 0.0 } else { roads.edges()[arm.edge].length_m() };
-        self.place = Place { arm, along_m };
+        self.place = RoadPlace { arm, along_m };
     }
 
     fn wait(&mut self) {

@@ -1,9 +1,9 @@
-//! Scripted cars: they follow tracks, places at times with straight lines at constant speed between
-//! them. Before its first place and after its last one a car stands still.
+//! Scripted cars: they follow tracks, which are places at times, with straight lines at constant speed in
+//! between. Before its first place and after its last one a car stands still.
 //!
-//! The guarantee presumes that cars keep to the model: the speed (5.34), the separations (3.8) and
-//! (3.11), the region. [`Tracks::faults`] judges the tracks as continuous motions, exactly, so that
-//! nothing flies whose truth breaks what the agents rely on.
+//! The guarantee assumes that cars keep to the model: the speed (5.34), the separations (3.8) and (3.11),
+//! the region. [`Tracks::faults`] checks the tracks as continuous motions, exactly, so that no mission
+//! starts whose cars break the assumptions of the agents.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ use crate::plane::{
 };
 use crate::target::{MAX_TURN_RATE_RAD_S, TargetTruth, turned};
 
-/// Kept beyond what the model demands, so that rounding cannot break it, metres.
+/// Added to the distances that the model requires, so that rounding cannot break them, metres.
 const MARGIN_M: f64 = 1e-6;
 /// Allowance for rounding in speeds, relative.
 const SPEED_TOLERANCE: f64 = 1e-9;
@@ -25,7 +25,7 @@ const SPEED_TOLERANCE: f64 = 1e-9;
 /// A place of a car at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Waypoint {
-    /// The line of the file that says so, from 1.
+    /// Its line in the file, from 1.
     pub line: usize,
     /// Simulated time, seconds.
     pub time_s: f64,
@@ -33,14 +33,14 @@ pub struct Waypoint {
     pub location: [f64; 2],
 }
 
-/// A waypoint and whose it is.
+/// A waypoint and its car.
 pub type Row = (TargetId, Waypoint);
 
 /// The tracks of all cars, by index; each has a waypoint or more, by increasing time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tracks(Vec<Vec<Waypoint>>);
 
-/// A row of the tracks that cannot be.
+/// A row of the tracks that is wrong.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrackError {
     /// Its line in the file, from 1.
@@ -52,7 +52,7 @@ pub struct TrackError {
 /// What is wrong with a row; lengths in metres, times in seconds.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TrackFault {
-    /// A time or a place that is no number, or a time before the start.
+    /// A time or a place that is not a number, or a time before the start.
     Value {
         /// The name of the column.
         column: &'static str,
@@ -93,26 +93,26 @@ pub enum TrackFault {
         /// Half of the room that locations have, east and north.
         limit_m: [f64; 2],
     },
-    /// Too near to a building (3.8), on the way from the waypoint before.
+    /// A way to this waypoint that is too near to a building (3.8).
     Obstacle {
         /// Whose.
         target: TargetId,
-        /// What the map calls the building.
+        /// The name of the building.
         name: String,
-        /// How near: 0 in it.
+        /// The distance; 0 inside it.
         distance_m: f64,
         /// What that has to exceed.
         limit_m: f64,
     },
-    /// Two cars too near to each other (3.11), on the way from the waypoint before.
+    /// A way to this waypoint on which two cars are too near to each other (3.11).
     Separation {
-        /// Whose row it is.
+        /// The car of the row.
         target: TargetId,
         /// The other car.
         other: TargetId,
-        /// When they are nearest on that way.
+        /// When they are nearest.
         time_s: f64,
-        /// How near.
+        /// Their least distance.
         distance_m: f64,
         /// What that has to exceed.
         limit_m: f64,
@@ -148,7 +148,7 @@ impl fmt::Display for TrackFault {
 }
 
 impl TrackFault {
-    /// What would have been right.
+    /// What would be right.
     pub fn expected(&self) -> String {
         match self {
             Self::Value { column: "time_s", .. } => {
@@ -188,7 +188,7 @@ impl Tracks {
     /// Sorts rows by car.
     ///
     /// # Errors
-    /// Every row with a value that is none, out of order, or beyond a gap in the numbers.
+    /// Every row with a value that is not a number, out of order, or beyond a gap in the indexes.
     pub fn new(rows: &[Row]) -> Result<Self, Vec<TrackError>> {
         let mut errors = Vec::new();
         let mut refuse = |line, fault| errors.push(TrackError { line, fault });
@@ -296,10 +296,10 @@ fn nearest(way: [Point; 2], walls: &Walls, reach_m: f64) -> Option<(usize, f64)>
     near.filter(|(_, distance)| *distance <= reach_m).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The rows of either car on whose way the two are not farther apart than `limit_m`.
+/// The rows of either car on whose ways the two cars are no farther apart than `limit_m`.
 ///
-/// Between two consecutive times of either, both move evenly: their difference runs along a segment,
-/// and its distance from the origin is the least distance of the cars.
+/// Between two consecutive times of the rows of both, both cars have constant velocities. So their
+/// difference runs along a segment, whose distance from the origin is their least distance.
 fn too_near(
     (target, track): (TargetId, &[Waypoint]),
     (other, beside): (TargetId, &[Waypoint]),
@@ -323,7 +323,7 @@ fn too_near(
         if distance_m > reach_m {
             continue;
         }
-        // The row that this way leads to: of the car that is still under way, and of both the later.
+        // The row at the end of this way: of the car that still moves, or the later one of both.
         let [own, its] = [track, beside].map(|track| next(track, span[1]).line);
         let (line, target, other) =
             if own >= its { (own, target, other) } else { (its, other, target) };
@@ -335,7 +335,7 @@ fn too_near(
     }
 }
 
-/// When a point that moves evenly from `apart[0]` to `apart[1]` in a span is nearest to the origin.
+/// When a point that moves from `apart[0]` to `apart[1]` at constant velocity is nearest to the origin.
 fn nearest_time_s(span: [f64; 2], apart: [Point; 2]) -> f64 {
     let d = minus(apart[1], apart[0]);
     let length2 = d[0] * d[0] + d[1] * d[1];
@@ -372,14 +372,14 @@ fn motion([from, to]: [&Waypoint; 2]) -> (f64, f64) {
 
 /// Cars on their tracks.
 #[derive(Debug, Clone)]
-pub struct Scripted {
+pub(crate) struct Scripted {
     tracks: Tracks,
     truths: Vec<TargetTruth>,
 }
 
 impl Scripted {
-    /// The cars at time 0, each facing the way of its first motion.
-    pub fn new(tracks: Tracks) -> Self {
+    /// The cars at time 0, each with the heading of its first motion.
+    pub(crate) fn new(tracks: Tracks) -> Self {
         let truths = tracks.by_target().map(|(id, track)| {
             let (location, way) = place(track, 0.0);
             let moves = |pair: &[Waypoint]| pair[0].location != pair[1].location;
@@ -395,9 +395,9 @@ impl Scripted {
         Self { tracks, truths }
     }
 
-    /// Lets time pass until `time_s`, `period_s` after the last time; bodies turn no faster than
-    /// those of other cars.
-    pub fn advance_to(&mut self, time_s: f64, period_s: f64) {
+    /// Lets time pass until `time_s`, which is `period_s` after the last time. The turn rate of bodies is
+    /// bounded as for other cars.
+    pub(crate) fn advance_to(&mut self, time_s: f64, period_s: f64) {
         for (truth, track) in self.truths.iter_mut().zip(&self.tracks.0) {
             let (location, way) = place(track, time_s);
             let (wanted_rad, speed_m_s) = way.map_or((truth.heading_rad, 0.0), motion);
@@ -408,7 +408,7 @@ impl Scripted {
     }
 
     /// What is true of every car, by index.
-    pub fn truths(&self) -> &[TargetTruth] {
+    pub(crate) fn truths(&self) -> &[TargetTruth] {
         &self.truths
     }
 }

@@ -16,10 +16,10 @@ use crate::target::TargetTruth;
 /// Allowance for rounding in speeds, metres per check.
 const SPEED_TOLERANCE_M: f64 = 1e-9;
 
-/// Ways of UAVs are checked point by point, metres.
+/// Distance between the points at which the way of a UAV is checked, metres.
 const WAY_STEP_M: f64 = 0.5;
 
-/// How many messages there were so far, for the conservation law.
+/// Counts of messages so far, for the check of their conservation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct MessageCounts {
     /// Copies handed to the network, one per receiver.
@@ -28,9 +28,9 @@ pub struct MessageCounts {
     pub duplicated: u64,
     /// Copies that arrived.
     pub delivered: u64,
-    /// Copies dropped, for whatever reason.
+    /// Copies dropped, for any reason.
     pub dropped: u64,
-    /// Copies under way.
+    /// Copies in flight.
     pub in_flight: u64,
 }
 
@@ -53,20 +53,20 @@ pub enum Fault {
         target: TargetId,
         /// Index of the obstacle.
         obstacle: usize,
-        /// How far it is.
+        /// The distance.
         distance_m: f64,
-        /// What it has to exceed.
+        /// The distance that it has to exceed.
         limit_m: f64,
     },
     /// Two targets are too near to each other (3.11).
     TargetDistance {
-        /// The one.
+        /// One target.
         a: TargetId,
-        /// The other.
+        /// The other target.
         b: TargetId,
-        /// How far apart they are.
+        /// Their distance.
         distance_m: f64,
-        /// What that has to exceed.
+        /// The distance that it has to exceed.
         limit_m: f64,
     },
     /// A target left the region.
@@ -91,9 +91,9 @@ pub enum Fault {
         agent: AgentId,
         /// Index of the obstacle.
         obstacle: usize,
-        /// How far it is, over the ground; 0 inside.
+        /// The distance over the ground; 0 inside.
         distance_m: f64,
-        /// What it must not fall below.
+        /// The least distance allowed.
         limit_m: f64,
     },
     /// Messages appeared or disappeared.
@@ -112,7 +112,7 @@ pub struct Violation {
     pub fault: Fault,
 }
 
-/// A kind of promise that is checked; each [`Fault`] breaks one.
+/// A kind of promise that the monitor checks; each [`Fault`] breaks one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Promise {
     /// [`Fault::ObstacleDistance`]: checked for every target, against all obstacles at once.
@@ -168,7 +168,7 @@ impl Promise {
 }
 
 impl Fault {
-    /// What it breaks.
+    /// The promise that it breaks.
     pub fn promise(&self) -> Promise {
         match self {
             Self::ObstacleDistance { .. } => Promise::ObstacleDistance,
@@ -230,16 +230,16 @@ impl CheckCounts {
     }
 }
 
-/// Watches one run.
+/// Checks one run.
 #[derive(Debug, Clone)]
 pub struct Monitor {
     ground: Ground,
     model: TargetsModel,
     period_s: f64,
     walls: Walls,
-    /// The last step checked, and every target then.
+    /// The last step checked, and all targets at that step.
     previous: Option<(Step, Vec<TargetTruth>)>,
-    /// Where every UAV was when that was last checked.
+    /// The pose of every UAV at the last check of the flights.
     flown_from: Vec<Pose>,
     counts: CheckCounts,
 }
@@ -255,7 +255,7 @@ impl Monitor {
 
     /// Checks step k: the separations, the region and the speeds of all targets.
     ///
-    /// A value that is not a number violates whatever it takes part in.
+    /// A value that is not a number violates every check that uses it.
     pub fn check(&mut self, step: Step, targets: &[TargetTruth]) -> Vec<Violation> {
         let mut faults = Vec::new();
         for (index, target) in targets.iter().enumerate() {
@@ -269,8 +269,8 @@ impl Monitor {
         self.record(step, faults)
     }
 
-    /// Checks that no UAV is nearer to a building than [`FLIGHT_CLEARANCE_M`], over it or beside it, and
-    /// none was on the straight way from where it was at the last check. `poses` by agent.
+    /// Checks that no UAV is nearer to a building than [`FLIGHT_CLEARANCE_M`], over it or beside it, and that
+    /// none was on the straight way from its pose at the last check. `poses` are by agent.
     pub fn check_flights(&mut self, step: Step, poses: &[Pose]) -> Vec<Violation> {
         let mut faults = Vec::new();
         for (index, pose) in poses.iter().enumerate() {
@@ -288,12 +288,12 @@ impl Monitor {
         self.record(step, faults)
     }
 
-    /// The obstacle that a UAV comes nearest to, too near, on its way between two poses, and its
+    /// Of the obstacles that a UAV comes too near to on its way between two poses, the nearest one and its
     /// distance.
     fn nearest_on_way(&self, from: &Pose, to: &Pose) -> Option<(usize, f64)> {
         let [a, b] = [from, to].map(|pose| [pose.p_world[0], pose.p_world[1]]);
         let floor_m = from.p_world[2].min(to.p_world[2]) - FLIGHT_CLEARANCE_M;
-        // A way of any length costs no more than this.
+        // This bounds the work for a way of any length.
         let parts = (distance_m(a, b) / WAY_STEP_M).ceil().clamp(1.0, 100.0);
         (0..=parts as u32)
             .filter_map(|i| {
@@ -319,7 +319,7 @@ impl Monitor {
         &self.counts
     }
 
-    /// Takes note of a check about to be made.
+    /// Counts a check of a promise.
     fn count(&mut self, promise: Promise) {
         self.counts.add(promise.key(), Checked { checks: 1, violations: 0 });
     }

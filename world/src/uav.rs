@@ -3,14 +3,14 @@
 use csat_proto::camera::Pose;
 use csat_proto::model::{FleetModel, Ground};
 
-pub use csat_proto::command::YawCommand;
+use csat_proto::command::YawCommand;
 
-/// Anything that flies a camera and follows yaw commands.
+/// A vehicle that carries a camera and follows yaw commands.
 pub trait Vehicle: std::fmt::Debug + Send + Sync {
-    /// Where it is now.
+    /// Its current pose.
     fn pose(&self) -> Pose;
 
-    /// Takes effect from now on.
+    /// Follows this command from now on.
     fn command(&mut self, command: YawCommand);
 
     /// Lets `dt_s` seconds pass.

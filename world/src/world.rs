@@ -1,6 +1,7 @@
-//! Everything that is true, one period at a time.
+//! The state of the world, which advances by one period at a time.
 
 use csat_proto::camera::{CameraModel, Pose};
+use csat_proto::command::YawCommand;
 use csat_proto::ids::AgentId;
 use csat_proto::model::{Driving, FleetModel, Ground, Station, TargetsModel};
 use csat_proto::time::Step;
@@ -12,7 +13,7 @@ use crate::scene::{Prism, Scene};
 use crate::target::{Chase, PlacementError, TargetTruth, Traffic, Watcher, road_clearance_m};
 use crate::track::{Scripted, TrackError, Tracks};
 use crate::truth::Monitor;
-use crate::uav::{Quadcopter, Vehicle, YawCommand};
+use crate::uav::{Quadcopter, Vehicle};
 
 mod check;
 mod launch;
@@ -28,20 +29,20 @@ const BORDER_M: f64 = 0.5;
 /// Connected pieces of road shorter than this carry no cars, metres.
 const MIN_NETWORK_M: f64 = 20.0;
 
-/// What a world is made of.
+/// The configuration of a world.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldConfig {
     /// The town.
     pub map: MapConfig,
     /// The cars.
     pub targets: TargetsModel,
-    /// The tracks that the cars follow; without them they drive on the roads.
+    /// The tracks that the cars follow; without tracks they drive on the roads.
     pub tracks: Option<Tracks>,
     /// The UAVs.
     pub fleet: FleetModel,
     /// The ground stations.
     pub stations: Vec<Station>,
-    /// Their cameras.
+    /// The cameras of the UAVs.
     pub camera: CameraModel,
     /// T, seconds.
     pub period_s: f64,
@@ -62,7 +63,7 @@ impl Default for WorldConfig {
 }
 
 impl WorldConfig {
-    /// What the cars and the UAVs demand of the town.
+    /// What the cars and the UAVs require of the town.
     pub fn map_rules(&self) -> MapRules {
         let lowest_altitude_m = match self.fleet.avoid_buildings {
             true => f64::INFINITY,
@@ -75,17 +76,17 @@ impl WorldConfig {
 /// One reason why there is no world.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WorldError {
-    /// A value of the scenario that cannot work.
+    /// An impossible value of the scenario.
     #[error("{key}: got {got}, expected {expected}")]
     Config {
         /// The scenario key.
         key: &'static str,
         /// Its value.
         got: String,
-        /// What would do.
+        /// What is expected.
         expected: String,
     },
-    /// A ground station that cannot be where it is to be.
+    /// A ground station at an impossible place.
     #[error(transparent)]
     Station(#[from] StationError),
     /// The map.
@@ -104,7 +105,7 @@ pub enum WorldError {
 pub struct WorldErrors {
     /// Every reason; never empty.
     pub errors: Vec<WorldError>,
-    /// What was left out of the map, which may be why it has no room.
+    /// What was left out of the map, which may be why the map has no room.
     pub map_warnings: Vec<MapWarning>,
 }
 
@@ -132,11 +133,11 @@ fn inset_m(targets: &TargetsModel) -> f64 {
     targets.radius_m + BORDER_M
 }
 
-/// The fleet has no such UAV, or the command is no angle.
+/// The fleet has no such UAV, or the command is not an angle.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("UAV {agent} of {count}: command to yaw {yaw_rad} rad")]
 pub struct CommandError {
-    /// Who was to be commanded.
+    /// The agent to be commanded.
     pub agent: AgentId,
     /// Number of UAVs.
     pub count: usize,
@@ -144,10 +145,10 @@ pub struct CommandError {
     pub yaw_rad: f64,
 }
 
-/// What moves the cars.
+/// How the cars move.
 #[derive(Debug)]
 enum Cars {
-    /// They drive on the roads as they like.
+    /// They drive on their own.
     Driving(Traffic),
     /// They follow tracks.
     Scripted(Scripted),
@@ -196,7 +197,7 @@ impl World {
     /// The world of a seed at step 0; equal arguments (and map files) give equal worlds.
     ///
     /// # Errors
-    /// Every mistake at once; placement is tried only when all else is right.
+    /// All mistakes together; cars are placed only when there is no other mistake.
     pub fn new(config: &WorldConfig, seed: u64) -> Result<Self, WorldErrors> {
         Self::in_town(config, map::load(&config.map, &config.map_rules(), seed), seed)
     }
@@ -278,7 +279,7 @@ impl World {
         }
     }
 
-    /// Lets the cars evade for one period what the UAVs see at its beginning.
+    /// Lets the cars evade for one period; they react to what the UAVs see at its beginning.
     fn evade(&mut self) {
         let Cars::Driving(traffic) = &mut self.cars else { return };
         let WorldConfig { targets, camera, period_s, .. } = &self.config;
@@ -315,18 +316,18 @@ impl World {
         self.step
     }
 
-    /// What the world was made from.
+    /// The configuration of the world.
     pub fn config(&self) -> &WorldConfig {
         &self.config
     }
 
-    /// Where every agent is, by index: the UAVs, then the ground stations.
+    /// The pose of every agent, by index: the UAVs, then the ground stations.
     pub fn poses(&self) -> Vec<Pose> {
         let stations = self.config.stations.iter().map(Station::pose);
         self.vehicles.iter().map(|v| v.pose()).chain(stations).collect()
     }
 
-    /// What is true of every target, by index.
+    /// The true state of every target, by index.
     pub fn targets(&self) -> &[TargetTruth] {
         match &self.cars {
             Cars::Driving(traffic) => traffic.truths(),
@@ -354,7 +355,7 @@ impl World {
         &self.map
     }
 
-    /// What was put right in the map or left out of it.
+    /// What was corrected in the map or left out of it.
     pub fn warnings(&self) -> &[MapWarning] {
         &self.map.warnings
     }
@@ -365,7 +366,7 @@ impl World {
         Scene { prisms: self.prisms.iter().cloned().chain(bodies).collect() }
     }
 
-    /// A monitor of this world, which has seen nothing yet.
+    /// A monitor of this world that has checked nothing yet.
     pub fn monitor(&self) -> Monitor {
         let WorldConfig { targets, period_s, .. } = &self.config;
         Monitor::new(self.map.ground, targets.clone(), *period_s, &self.map.obstacles)

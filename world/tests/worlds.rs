@@ -1,4 +1,4 @@
-//! Whole worlds, generated and real: what the theory presumes holds at every step.
+//! Whole worlds, generated and real: the assumptions of the theory hold at every step.
 
 use std::path::PathBuf;
 
@@ -30,8 +30,8 @@ fn worlds() -> [(&'static str, WorldConfig); 3] {
     ]
 }
 
-/// Drives for `steps`, watched by the monitor: `drove` is given the world and each car before and after a
-/// period, with the way between.
+/// Drives for `steps` under the monitor; `drove` gets the world and each car before and after a period, with
+/// the way between.
 fn drive(
     name: &str,
     world: &mut World,
@@ -96,7 +96,7 @@ fn cars_that_evade_use_all_that_the_model_allows_and_no_more() {
     }
 }
 
-/// The monitor's own distances against geo's, on another path than the world takes.
+/// The distances of the monitor against those of `geo`, which the world does not use for them.
 #[test]
 fn no_location_is_near_a_wall_by_an_independent_measure() {
     for (name, config) in worlds() {
@@ -114,7 +114,7 @@ fn no_location_is_near_a_wall_by_an_independent_measure() {
     }
 }
 
-/// The real shares were computed apart from this code, by clipping each outline on its own
+/// The real shares were computed independently of this code, by clipping each outline on its own
 /// (Sutherland-Hodgman) after an equirectangular projection: 4.635 % and 17.55 %.
 #[test]
 fn the_built_share_is_what_the_maps_say() {

@@ -15,7 +15,7 @@ use crate::sense::{Measured, MeasuredTarget};
 
 /// A valid fact and whose it is, with what else its sender knew if it came in a snapshot.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Heard {
+pub struct ReceivedFact {
     /// The sender.
     pub src: AgentId,
     /// Its life.

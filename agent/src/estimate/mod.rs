@@ -4,7 +4,6 @@
 //! | module | equations |
 //! |---|---|
 //! | [`state`] | the sets an agent holds |
-//! | [`settled`] | those sets between two updates, and what follows from them |
 //! | [`evidence`] | what frames prove, own and others', as of now |
 //! | `fuse` | (4.34)-(4.37): what others knew |
 //! | [`predict`] | (4.24)-(4.27) |
@@ -19,7 +18,6 @@ pub mod evidence;
 mod fuse;
 pub mod oem;
 pub mod predict;
-pub mod settled;
 pub mod state;
 
 use csat_proto::ids::{AgentId, TargetId};
@@ -28,7 +26,7 @@ use tracing::info_span;
 
 use crate::config::AgentConfig;
 use crate::sense::Measured;
-use evidence::{Ager, Evidence, Heard};
+use evidence::{Ager, Evidence, ReceivedFact};
 use predict::Predictor;
 use state::Knowledge;
 
@@ -63,7 +61,7 @@ impl Estimator {
         &self,
         knowledge: &mut Knowledge,
         own: Option<(Step, &Measured)>,
-        mut heard: Vec<Heard>,
+        mut heard: Vec<ReceivedFact>,
     ) -> Changes {
         let before: Vec<TargetId> = knowledge.targets.keys().copied().collect();
         heard.sort_by_key(|h| (h.fact.step, h.src, h.incarnation, h.fact.number, h.is_answer));
@@ -93,7 +91,7 @@ impl Estimator {
         &self,
         knowledge: &Knowledge,
         own: Option<&Measured>,
-        heard: &[Heard],
+        heard: &[ReceivedFact],
     ) -> Vec<Evidence> {
         let now = knowledge.step;
         let known = heard.iter().filter_map(|h| h.known.as_deref());
@@ -107,7 +105,7 @@ impl Estimator {
 }
 
 /// What is hidden, and what the map says: coarse, and without an order.
-fn look(knowledge: &mut Knowledge, own: Option<&Measured>, heard: &[Heard]) {
+fn look(knowledge: &mut Knowledge, own: Option<&Measured>, heard: &[ReceivedFact]) {
     let now = knowledge.step;
     if let Some(Measured { hidden, seen, oem, .. }) = own {
         knowledge.note_view(now, hidden, seen);

@@ -30,7 +30,7 @@ pub struct Knowledge {
     pub oem: Oem,
     /// X^h (5.43): ground once hidden and not seen since.
     pub hidden: Raster,
-    recent_views: VecDeque<View>,
+    recent_views: VecDeque<FleetView>,
     /// Views before this are forgotten.
     views_from: Step,
     ground: Region,
@@ -92,7 +92,7 @@ impl Knowledge {
                 view.seen.union_with(seen);
             }
             None => {
-                let view = View { step, hidden: hidden.clone(), seen: seen.clone() };
+                let view = FleetView { step, hidden: hidden.clone(), seen: seen.clone() };
                 self.recent_views.push_back(view);
             }
         }
@@ -163,7 +163,7 @@ impl Knowledge {
 
 /// What the fleet could not see, and saw, at one step.
 #[derive(Debug, Clone)]
-struct View {
+struct FleetView {
     step: Step,
     hidden: Raster,
     seen: Raster,

@@ -6,7 +6,7 @@ use crate::region::turn;
 
 /// What is wrong with rings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Tangle {
+pub enum RingFault {
     /// Two edges cross.
     Crossing,
     /// So many edges lie side by side that finding out would take too long.
@@ -19,7 +19,7 @@ const LOOKS_PER_EDGE: usize = 100;
 struct Edge {
     a: GridPoint,
     b: GridPoint,
-    reach: GridBox,
+    extent: GridBox,
 }
 
 /// Looks for two edges that cross in a point inside both. Rings may touch, as those of resolved sets
@@ -30,9 +30,9 @@ struct Edge {
 ///
 /// # Errors
 /// The two edges, when there are such.
-pub fn check(region: &Region) -> Result<(), Tangle> {
+pub fn check(region: &Region) -> Result<(), RingFault> {
     let mut edges: Vec<Edge> = region.rings().flat_map(edges_of).collect();
-    edges.sort_unstable_by_key(|edge| edge.reach.min.x);
+    edges.sort_unstable_by_key(|edge| edge.extent.min.x);
     let Some(bounds) = GridBox::around(edges.iter().flat_map(|edge| [&edge.a, &edge.b])) else {
         return Ok(());
     };
@@ -42,11 +42,11 @@ pub fn check(region: &Region) -> Result<(), Tangle> {
     let mut strips: Vec<Vec<&Edge>> = vec![Vec::new(); count];
     let mut left = LOOKS_PER_EDGE.saturating_mul(edges.len());
     for edge in &edges {
-        for open in &mut strips[strip(edge.reach.min.y)..=strip(edge.reach.max.y)] {
-            open.retain(|other| other.reach.max.x >= edge.reach.min.x);
-            left = left.checked_sub(open.len() + 1).ok_or(Tangle::TooDense)?;
-            if open.iter().any(|other| other.reach.meets(&edge.reach) && cross(other, edge)) {
-                return Err(Tangle::Crossing);
+        for open in &mut strips[strip(edge.extent.min.y)..=strip(edge.extent.max.y)] {
+            open.retain(|other| other.extent.max.x >= edge.extent.min.x);
+            left = left.checked_sub(open.len() + 1).ok_or(RingFault::TooDense)?;
+            if open.iter().any(|other| other.extent.meets(&edge.extent) && cross(other, edge)) {
+                return Err(RingFault::Crossing);
             }
             open.push(edge);
         }
@@ -59,7 +59,7 @@ fn edges_of(ring: &Ring) -> impl Iterator<Item = Edge> {
     ring.iter().zip(next).filter(|(a, b)| a != b).map(|(&a, &b)| {
         let min = GridPoint::new(a.x.min(b.x), a.y.min(b.y));
         let max = GridPoint::new(a.x.max(b.x), a.y.max(b.y));
-        Edge { a, b, reach: GridBox { min, max } }
+        Edge { a, b, extent: GridBox { min, max } }
     })
 }
 
@@ -82,14 +82,14 @@ mod tests {
     #[test]
     fn crossings_are_found_and_touching_is_not_one() {
         let bow_tie = region(&[&[[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 4.0]]]);
-        assert_eq!(check(&bow_tie), Err(Tangle::Crossing));
+        assert_eq!(check(&bow_tie), Err(RingFault::Crossing));
         let square: &[[f64; 2]] = &[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
         let inside: &[[f64; 2]] = &[[1.0, 1.0], [1.0, 2.0], [2.0, 1.0]];
         let touching: &[[f64; 2]] = &[[0.0, 0.0], [1.0, 2.0], [2.0, 1.0]];
         let sticking_out: &[[f64; 2]] = &[[1.0, 1.0], [1.0, 2.0], [5.0, 1.0]];
         assert_eq!(check(&region(&[square, inside])), Ok(()));
         assert_eq!(check(&region(&[square, touching])), Ok(()));
-        assert_eq!(check(&region(&[square, sticking_out])), Err(Tangle::Crossing));
+        assert_eq!(check(&region(&[square, sticking_out])), Err(RingFault::Crossing));
         assert_eq!(check(&Region::EMPTY), Ok(()));
     }
 
@@ -116,7 +116,7 @@ mod tests {
             let expected = edges.iter().any(crosses);
             found[usize::from(expected)] += 1;
             let got = check(&Region::from_shapes(vec![rings]));
-            assert_eq!(got, if expected { Err(Tangle::Crossing) } else { Ok(()) });
+            assert_eq!(got, if expected { Err(RingFault::Crossing) } else { Ok(()) });
         }
         assert!(found.iter().all(|&n| n > 300), "{found:?}");
     }
@@ -126,6 +126,6 @@ mod tests {
         let zigzag = (0..20_000).map(|i| [f64::from(i % 2) * 100.0, f64::from(i) * 25e-5]);
         let around = [[200.0, 5.0], [200.0, -5.0], [-1.0, -5.0]];
         let ring: Vec<[f64; 2]> = zigzag.chain(around).collect();
-        assert_eq!(check(&region(&[&ring])), Err(Tangle::TooDense));
+        assert_eq!(check(&region(&[&ring])), Err(RingFault::TooDense));
     }
 }

@@ -3,18 +3,18 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`outbox`] | what to say, and how often |
+//! | [`transmitter`] | what to say, and how often |
 //! | [`budget`] | making it fit a budget of bytes |
 //! | [`repair`] | who lacks what, and whose turn it is to help |
-//! | [`held`] | which facts the own knowledge contains |
-//! | [`inbox`] | what arrived and waits to be applied |
+//! | [`version_vector`] | which facts the own knowledge contains |
+//! | [`receiver`] | which messages are believed, and facts that wait to be applied |
 //! | [`validate`] | what is checked before anything is believed |
 //! | [`crossing`] | whether received rings cross |
 
 pub mod budget;
 pub mod crossing;
-pub mod held;
-pub mod inbox;
-pub mod outbox;
+pub mod receiver;
 pub mod repair;
+pub mod transmitter;
 pub mod validate;
+pub mod version_vector;

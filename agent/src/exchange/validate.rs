@@ -8,13 +8,12 @@ use csat_proto::raster::Raster;
 use csat_proto::region::{Region, to_units, twice_signed_area};
 use csat_proto::time::Step;
 
-use super::crossing::{self, Tangle};
-use super::held::LIVES;
+use super::crossing::{self, RingFault};
+use super::version_vector::MAX_INCARNATIONS;
 use crate::config::AgentConfig;
 use crate::estimate::oem::Oem;
-use crate::guidance::schedule::PlanError;
 
-/// Why a message or a frame was dropped.
+/// Why a message is not believed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Rejection {
     /// The envelope is damaged or foreign.
@@ -122,17 +121,6 @@ pub enum Rejection {
         /// The limit.
         max: usize,
     },
-    /// An own frame that is not of a later step than the one before.
-    #[error("frame of step {got} after that of step {last}")]
-    OldFrame {
-        /// Its step.
-        got: u32,
-        /// That of the last frame.
-        last: u32,
-    },
-    /// A flight plan that cannot be.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
 }
 
 impl Rejection {
@@ -159,8 +147,6 @@ impl Rejection {
             Self::Grid => "grid",
             Self::Cell { .. } => "cell",
             Self::Full { .. } => "full",
-            Self::OldFrame { .. } => "old-frame",
-            Self::Plan(_) => "plan",
         }
     }
 }
@@ -199,7 +185,7 @@ pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Mes
             check_fact(config, &snapshot.fact)?;
             check_known(config, &snapshot.known, body)?;
         }
-        // The scheduler checks plans: what is possible depends on the schedule.
+        // The scheduler of guidance checks plans: which plans are possible depends on the schedule.
         Message::Plan(_) => {}
     }
     Ok(message)
@@ -271,7 +257,7 @@ fn check_known(config: &AgentConfig, known: &Known, frame: Step) -> Result<(), R
 fn check_digest(config: &AgentConfig, held: &Digest) -> Result<(), Rejection> {
     let (facts, blocks) = (held.facts.len(), held.oem.len());
     let agents = config.agents();
-    let fits = facts <= usize::from(agents) * LIVES
+    let fits = facts <= usize::from(agents) * MAX_INCARNATIONS
         && held.facts.is_sorted_by_key(|f| (f.origin, f.incarnation))
         && held.facts.iter().all(|f| f.origin.0 < agents)
         && (blocks == 0 || blocks == Oem::blocks(&config.oem_grid()));
@@ -304,8 +290,8 @@ fn check_regions<'a>(
             return Err(Rejection::Outside);
         }
         crossing::check(region).map_err(|tangle| match tangle {
-            Tangle::Crossing => Rejection::Crossing,
-            Tangle::TooDense => Rejection::Bundle,
+            RingFault::Crossing => Rejection::Crossing,
+            RingFault::TooDense => Rejection::Bundle,
         })?;
         for shape in region.shapes() {
             let wound = |(i, ring): (usize, &Vec<_>)| (twice_signed_area(ring) > 0) == (i == 0);

@@ -14,10 +14,10 @@ use csat_proto::raster::{Grid, Raster};
 
 use super::criterion::Terms;
 use super::first_looks::FirstLooks;
-use super::rollout::{Meeting, Motion};
+use super::rollout::{Motion, ViewOverlap};
+use super::rounded_views::{RoundedPose, RoundedViews};
 use super::turning::Turning;
-use super::views::{Place, Views};
-use super::{Block, Decision, Picture};
+use super::{BlockKind, Decision, PlannerInput};
 use crate::config::AgentConfig;
 
 /// Cells of the search, metres, unless the sets it is given are coarser.
@@ -27,12 +27,12 @@ const CELL_M: f64 = 4.0;
 #[derive(Debug, Clone)]
 pub(super) struct Beam {
     grid: Grid,
-    views: Views,
+    rounded_views: RoundedViews,
     first_looks: FirstLooks,
     /// What a cell counts more when it is looked at for the first time, blocks.
     first_look: i64,
     motion: Motion,
-    meeting: Meeting,
+    overlap: ViewOverlap,
     turning: Turning,
     /// U, radians, in the order of preference among equals.
     increments: Vec<f64>,
@@ -51,7 +51,7 @@ struct Candidate {
     /// The last yaw increment, radians, and where it leads.
     increment_rad: f64,
     pose: Pose,
-    place: Place,
+    place: RoundedPose,
     /// Cells of X^Δ, summed over the blocks, less what first looks are worth.
     cost: i64,
 }
@@ -63,11 +63,11 @@ impl Beam {
         let grid = Grid::covering(&config.ground, cell_m);
         Self {
             grid,
-            views: Views::new(grid, config),
+            rounded_views: RoundedViews::new(grid, config),
             first_looks: FirstLooks::new(grid, config),
             first_look: config.guidance.str4.first_look.into(),
             motion: Motion::new(config),
-            meeting: Meeting::new(config),
+            overlap: ViewOverlap::new(config),
             turning: Turning::new(config, &increments),
             increments,
             blocks: config.guidance.blocks(),
@@ -80,25 +80,25 @@ impl Beam {
     /// See [`super::Planner::plan`].
     pub(super) fn plan(
         &mut self,
-        picture: &Picture<'_>,
+        input: &PlannerInput<'_>,
         pose: &Pose,
         neighbours: &[Vec<Pose>],
     ) -> Decision {
-        self.views.load(picture.oem);
-        let margin = self.coarse(picture.margin);
-        let remaining = self.coarse(picture.wanted);
+        self.rounded_views.load(input.oem);
+        let margin = self.coarse(input.margin);
+        let remaining = self.coarse(input.wanted);
         if self.first_look > 0 {
-            self.first_looks.load(&remaining, &margin, self.views.skyline(), pose);
+            self.first_looks.load(&remaining, &margin, self.rounded_views.height_map(), pose);
         }
-        let place = Place::of(pose, &self.grid);
+        let place = RoundedPose::of(pose, &self.grid);
         let root = Candidate { parent: 0, increment_rad: 0.0, pose: *pose, place, cost: 0 };
         let (mut beams, mut sets, mut nodes) = (vec![vec![root]], vec![remaining], 0);
         for (block, mut kept) in self.seen_by_others(pose, neighbours).into_iter().enumerate() {
             kept.union_with(&margin);
             self.pass_block(&mut sets, &kept, self.spread_m(block));
-            let mut children = self.children(picture, &beams[block], &sets, Block::at(block));
+            let mut children = self.children(input, &beams[block], &sets, BlockKind::at(block));
             if children.is_empty() {
-                children = self.children(picture, &beams[block], &sets, Block::Hopeless);
+                children = self.children(input, &beams[block], &sets, BlockKind::Hopeless);
             }
             nodes += children.len() as u32;
             let best = self.best(children);
@@ -127,9 +127,9 @@ impl Beam {
         for plan in neighbours {
             let poses = self.motion.forecast(plan, 0, self.blocks);
             for (pose, seen) in poses.iter().zip(&mut seen) {
-                if self.meeting.may_see_the_same(own, pose) {
-                    let place = Place::of(pose, &self.grid);
-                    self.views.look(place).add_to(seen);
+                if self.overlap.may_see_the_same(own, pose) {
+                    let place = RoundedPose::of(pose, &self.grid);
+                    self.rounded_views.look(place).add_to(seen);
                     self.first_looks.look(place).add_to(seen);
                 }
             }
@@ -159,19 +159,19 @@ impl Beam {
     /// All that `beam` may do in the next block, when X^Δ is in `sets` but for the own look.
     fn children(
         &mut self,
-        picture: &Picture<'_>,
+        input: &PlannerInput<'_>,
         beam: &[Candidate],
         sets: &[Raster],
-        block: Block,
+        block: BlockKind,
     ) -> Vec<Candidate> {
         let mut children = Vec::with_capacity(beam.len() * self.increments.len());
         for (parent, (candidate, set)) in beam.iter().zip(sets).enumerate() {
             let cost = candidate.cost + i64::from(set.count());
-            let choices = picture.choices(&self.increments, &candidate.pose, block);
+            let choices = input.choices(&self.increments, &candidate.pose, block);
             for (choice, increment_rad) in choices {
                 let pose = self.turning.advance(&candidate.pose, choice);
-                let place = Place::of(&pose, &self.grid);
-                let seen = i64::from(self.views.look(place).count_in(set));
+                let place = RoundedPose::of(&pose, &self.grid);
+                let seen = i64::from(self.rounded_views.look(place).count_in(set));
                 let first = i64::from(self.first_looks.look(place).count_in(set));
                 let cost = cost - seen - self.first_look * first;
                 children.push(Candidate { parent, increment_rad, pose, place, cost });
@@ -192,7 +192,7 @@ impl Beam {
     /// `set` after the last look of `candidate`.
     fn after_look(&mut self, candidate: &Candidate, set: &Raster) -> Raster {
         let mut set = set.clone();
-        self.views.look(candidate.place).take_from(&mut set);
+        self.rounded_views.look(candidate.place).take_from(&mut set);
         self.first_looks.look(candidate.place).take_from(&mut set);
         set
     }

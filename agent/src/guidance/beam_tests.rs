@@ -82,11 +82,11 @@ fn cost(config: &AgentConfig, scene: &Scene, start: &Pose, poses: &[Pose], other
     caster.load(&scene.oem);
     let mut first_looks = FirstLooks::new(beam.grid, config);
     if config.guidance.str4.first_look > 0 {
-        first_looks.load(&remaining, &margin, caster.skyline(), start);
+        first_looks.load(&remaining, &margin, caster.height_map(), start);
     }
     let mut look_first = |pose: &Pose, remaining: &mut Raster| {
         let before = remaining.area_m2();
-        first_looks.look(Place::of(pose, &beam.grid)).take_from(remaining);
+        first_looks.look(RoundedPose::of(pose, &beam.grid)).take_from(remaining);
         before - remaining.area_m2()
     };
     let first_look = f64::from(config.guidance.str4.first_look);
@@ -138,8 +138,7 @@ fn a_wide_beam_finds_what_brute_force_finds() {
         config.guidance.str4.first_look = round % 4;
         let (scene, pose, other) = (scene(&config, &mut rng), start(&mut rng), start(&mut rng));
         let plan = Motion::new(&config).forecast(&[other], 0, 2);
-        let found =
-            Planner::new(&config).plan(&scene.picture(), &pose, std::slice::from_ref(&plan));
+        let found = Planner::new(&config).plan(&scene.input(), &pose, std::slice::from_ref(&plan));
         let turning = Turning::new(&config, &[-60.0, -30.0, 0.0, 30.0, 60.0].map(f64::to_radians));
         let mut least = f64::INFINITY;
         for (first, second) in (0..5).flat_map(|a| (0..5).map(move |b| (a, b))) {
@@ -160,7 +159,7 @@ fn a_wider_beam_is_dearer_and_seldom_worse() {
     for _ in 0..6 {
         let one = config(5, 1);
         let (scene, pose) = (scene(&one, &mut rng), start(&mut rng));
-        let plan = |config: &AgentConfig| Planner::new(config).plan(&scene.picture(), &pose, &[]);
+        let plan = |config: &AgentConfig| Planner::new(config).plan(&scene.input(), &pose, &[]);
         let (a, b) = (plan(&one), plan(&config(5, 40)));
         assert_eq!((a.nodes, a.increments_rad.len()), (25, 5));
         assert!(b.nodes > a.nodes && b.nodes <= 5 + 25 + 3 * 200, "{}", b.nodes);
@@ -184,8 +183,8 @@ fn a_plan_is_a_function_of_its_arguments() {
         for state in states.into_iter().chain([OemCell::Empty]) {
             let cell = config.oem_grid().index(32, 32) as u32;
             scene.oem.join(OemDelta { cell, state });
-            let fresh = Planner::new(&config).plan(&scene.picture(), &pose, &other);
-            assert_eq!(used.plan(&scene.picture(), &pose, &other), fresh);
+            let fresh = Planner::new(&config).plan(&scene.input(), &pose, &other);
+            assert_eq!(used.plan(&scene.input(), &pose, &other), fresh);
         }
     }
 }
@@ -210,8 +209,8 @@ fn unknown_buildings_attract() {
         let mut config = config.clone();
         config.guidance.str4.first_look = first_look;
         let mut planner = Planner::new(&config);
-        planner.plan(&patches(&[unknown]).picture(), &pose, &[]);
-        let decision = planner.plan(&patches(&sides).picture(), &pose, &[]);
+        planner.plan(&patches(&[unknown]).input(), &pose, &[]);
+        let decision = planner.plan(&patches(&sides).input(), &pose, &[]);
         decision.increments_rad[0].to_degrees().round()
     };
     assert_eq!(sides.map(|unknown| turned(unknown, 0)), [60.0, 60.0], "ties");
@@ -227,8 +226,8 @@ fn neighbours_repel() {
     fill(&mut scene.wanted, [-60.0, 40.0], [-150.0, -50.0]);
     let pose = Pose::level([-100.0, 0.0, 52.0], 0.0);
     let mut planner = Planner::new(&config);
-    let first = planner.plan(&scene.picture(), &pose, &[]);
-    let second = planner.plan(&scene.picture(), &pose, std::slice::from_ref(&first.poses));
+    let first = planner.plan(&scene.input(), &pose, &[]);
+    let second = planner.plan(&scene.input(), &pose, std::slice::from_ref(&first.poses));
     let turned = |poses: &[Pose]| poses[2].yaw_rad;
     assert!(turned(&first.poses) * turned(&second.poses) < 0.0, "{first:?} {second:?}");
 }

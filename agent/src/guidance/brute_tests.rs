@@ -42,13 +42,13 @@ fn random_pose(config: &AgentConfig, rng: &mut ChaCha8Rng) -> Pose {
 }
 
 /// What a pose sees by a criterion, from the definitions.
-struct BruteSight<'a> {
+struct BruteVisibility<'a> {
     planner: Planner,
     config: &'a AgentConfig,
     scene: &'a Scene,
 }
 
-impl BruteSight<'_> {
+impl BruteVisibility<'_> {
     fn seen(&mut self, pose: &Pose, own: bool) -> Raster {
         let mut seen = self.planner.footprint(pose);
         match self.config.guidance.criterion {
@@ -126,10 +126,10 @@ fn the_search_finds_what_brute_force_finds() {
         let other = random_pose(&config, &mut rng);
         let plan = vec![motion.advance(&other, 0.5)];
         let decision =
-            Planner::new(&config).plan(&scene.picture(), &start, std::slice::from_ref(&plan));
+            Planner::new(&config).plan(&scene.input(), &start, std::slice::from_ref(&plan));
         let neighbour = motion.forecast(&plan, 0, 2);
         let mut brute =
-            BruteSight { planner: Planner::new(&config), config: &config, scene: &scene };
+            BruteVisibility { planner: Planner::new(&config), config: &config, scene: &scene };
         let order = [0.0, -30.0, 30.0, -60.0, 60.0].map(f64::to_radians);
         let mut best = (f64::INFINITY, vec![]);
         for (first, second) in order.iter().flat_map(|&a| order.iter().map(move |&b| (a, b))) {
@@ -174,8 +174,8 @@ fn a_mirrored_world_is_flown_mirrored() {
         let [x, y, z] = pose.p_world;
         let turned = Pose::level([x, -y, z], -pose.yaw_rad);
         let mut planner = Planner::new(&config);
-        let one = planner.plan(&scene.picture(), &pose, &[]);
-        let two = planner.plan(&mirror.picture(), &turned, &[]);
+        let one = planner.plan(&scene.input(), &pose, &[]);
+        let two = planner.plan(&mirror.input(), &turned, &[]);
         let back: Vec<f64> = two.increments_rad.iter().map(|u| -u).collect();
         assert_eq!(one.increments_rad, back, "round {round}");
         assert!((one.cost - two.cost).abs() < 1e-6, "round {round}: {} {}", one.cost, two.cost);
@@ -192,8 +192,8 @@ fn a_plan_is_a_function_of_its_arguments() {
     for _ in 0..3 {
         let scene = random_scene(&config, &mut rng);
         let (pose, other) = (random_pose(&config, &mut rng), random_pose(&config, &mut rng));
-        let fresh = Planner::new(&config).plan(&scene.picture(), &pose, &[vec![other]]);
-        assert_eq!(used.plan(&scene.picture(), &pose, &[vec![other]]), fresh);
+        let fresh = Planner::new(&config).plan(&scene.input(), &pose, &[vec![other]]);
+        assert_eq!(used.plan(&scene.input(), &pose, &[vec![other]]), fresh);
         assert_eq!((fresh.nodes, fresh.poses.len()), (5 + 25 + 125 + 625, 4));
     }
 }

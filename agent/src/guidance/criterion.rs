@@ -6,10 +6,10 @@ use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::raster::{Grid, Raster};
 
 use super::footprint::Footprint;
-use super::looks::Looks;
 use super::nearest::nearest_m;
-use super::shadow::{Caster, Towers, hides_point};
-use super::views::View;
+use super::rounded_views::VisibleCells;
+use super::shadow::{OccupiedCells, ShadowCaster, hides_point};
+use super::view_cache::ViewCache;
 use crate::config::{AgentConfig, Criterion};
 use crate::estimate::oem::Oem;
 
@@ -61,16 +61,16 @@ impl Weights {
 
 /// Predicts what a pose would see, as the criterion has it.
 #[derive(Debug, Clone)]
-pub(super) struct Sight {
+pub(super) struct VisibilityModel {
     camera: CameraModel,
     grid: Grid,
     criterion: Criterion,
     occlusion: Occlusion,
-    towers: Towers,
-    caster: Caster,
+    occupied: OccupiedCells,
+    caster: ShadowCaster,
 }
 
-impl Sight {
+impl VisibilityModel {
     pub(super) fn new(config: &AgentConfig) -> Self {
         let grid = config.raster_grid();
         Self {
@@ -85,8 +85,8 @@ impl Sight {
                 Criterion::Str2 => Occlusion::Now,
                 Criterion::Str3 | Criterion::Str4 => Occlusion::Oem,
             },
-            towers: Towers::default(),
-            caster: Caster::new(&grid, config.planning_camera().d_max_m),
+            occupied: OccupiedCells::default(),
+            caster: ShadowCaster::new(&grid, config.planning_camera().d_max_m),
         }
     }
 
@@ -98,7 +98,7 @@ impl Sight {
     /// Takes over the OEM if the criterion reads it.
     pub(super) fn load(&mut self, oem: &Oem) {
         if self.occlusion == Occlusion::Oem {
-            self.towers.load(oem);
+            self.occupied.load(oem);
         }
     }
 
@@ -107,24 +107,24 @@ impl Sight {
         Footprint::of(&self.camera.at(pose), &self.grid)
     }
 
-    /// F(x^u) ∩ `grown` without what the criterion takes to be hidden. `grown` is that of `looks`, which
+    /// F(x^u) ∩ `grown` without what the criterion takes to be hidden. `grown` is that of `view_cache`, which
     /// are in the world of the OEM; `hidden_now` is the viewer's own H^CVS, if known.
     pub(super) fn look(
         &mut self,
         pose: &Pose,
         hidden_now: Option<&Raster>,
-        (looks, grown): (&Looks, &Raster),
-    ) -> Arc<View> {
+        (view_cache, grown): (&ViewCache, &Raster),
+    ) -> Arc<VisibleCells> {
         match self.occlusion {
-            Occlusion::Oem => looks.at(pose, || self.view(pose, None, grown)),
+            Occlusion::Oem => view_cache.at(pose, || self.view(pose, None, grown)),
             Occlusion::None | Occlusion::Now => Arc::new(self.view(pose, hidden_now, grown)),
         }
     }
 
-    fn view(&mut self, pose: &Pose, hidden_now: Option<&Raster>, grown: &Raster) -> View {
+    fn view(&mut self, pose: &Pose, hidden_now: Option<&Raster>, grown: &Raster) -> VisibleCells {
         let footprint = self.footprint(pose);
         if self.occlusion == Occlusion::Oem {
-            self.caster.cast(&self.towers, pose.p_world, footprint.corners());
+            self.caster.cast(&self.occupied, pose.p_world, footprint.corners());
         }
         let hidden = |row: u32, word: usize, bits: u64| match self.occlusion {
             Occlusion::None => 0,
@@ -135,14 +135,14 @@ impl Sight {
             let bits = bits & grown.row(row)[word];
             (row as i32, word as i32, bits & !hidden(row, word, bits))
         });
-        View::of(&self.grid, seen)
+        VisibleCells::of(&self.grid, seen)
     }
 
     /// H^OEM(x^u) ∩ F(x^u) ∩ X_g (§4.6.4), whatever the criterion.
     pub(super) fn predicted_hidden(&mut self, oem: &Oem, pose: &Pose) -> Raster {
         let footprint = self.footprint(pose);
-        self.towers.load(oem);
-        self.caster.cast(&self.towers, pose.p_world, footprint.corners());
+        self.occupied.load(oem);
+        self.caster.cast(&self.occupied, pose.p_world, footprint.corners());
         let mut hidden = Raster::empty(self.grid);
         for (row, word, bits) in footprint.words() {
             hidden.row_mut(row)[word] |= self.caster.hidden_bits(row, word, bits);
@@ -158,7 +158,7 @@ impl Sight {
     pub(super) fn distance_m(
         &self,
         base: &Raster,
-        seen: &View,
+        seen: &VisibleCells,
         hidden_now: &Raster,
         oem: &Oem,
         pose: &Pose,

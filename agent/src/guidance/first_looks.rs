@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::raster::{Grid, Raster};
 
-use super::skyline::{STOREY_M, Skyline};
-use super::views::{Aim, Bits, Outlook, Place, View};
+use super::height_map::{HeightMap, STOREY_M};
+use super::rounded_views::{Aim, Bits, HeadingFootprint, RoundedPose, VisibleCells};
 use crate::config::AgentConfig;
 
 /// X° is what is sure to be nearer than the obstacle distance. Depth errors of so much of it leave little.
@@ -21,7 +21,7 @@ const ROOF_STOREYS: u8 = 5;
 /// How far from a building that is known more of it may stand, metres.
 const BESIDE_M: f64 = 12.0;
 
-static NOTHING: View = View::nothing();
+static NOTHING: VisibleCells = VisibleCells::nothing();
 
 /// What is left to be looked at for the first time.
 #[derive(Debug, Clone)]
@@ -36,9 +36,9 @@ pub(super) struct FirstLooks {
     /// `unknown` beside buildings, at this decision, by the height of their roofs, metres.
     roofs: Vec<(f64, Vec<Bits>)>,
     /// Of a camera so high above a roof.
-    outlooks: BTreeMap<Aim, Outlook>,
+    footprints: BTreeMap<Aim, HeadingFootprint>,
     /// What is seen of `roofs`.
-    known: BTreeMap<Place, View>,
+    known: BTreeMap<RoundedPose, VisibleCells>,
 }
 
 impl FirstLooks {
@@ -55,36 +55,36 @@ impl FirstLooks {
             unknown,
             once: Raster::empty(grid),
             roofs: Vec::new(),
-            outlooks: BTreeMap::new(),
+            footprints: BTreeMap::new(),
             known: BTreeMap::new(),
         }
     }
 
-    /// The next decision, at `pose`: X^Δ is `wanted`, X° is `margin`, and `skyline` is what stands there.
+    /// The next decision, at `pose`: X^Δ is `wanted`, X° is `margin`, and `height_map` is what stands there.
     pub(super) fn load(
         &mut self,
         wanted: &Raster,
         margin: &Raster,
-        skyline: &Skyline,
+        height_map: &HeightMap,
         pose: &Pose,
     ) {
         self.unknown.intersect_with(wanted);
         self.unknown.subtract(margin);
-        self.roofs = self.roofs_of(skyline);
+        self.roofs = self.roofs_of(height_map);
         self.known.clear();
         let mut seen = Raster::empty(self.grid);
-        self.look(Place::of(pose, &self.grid)).add_to(&mut seen);
+        self.look(RoundedPose::of(pose, &self.grid)).add_to(&mut seen);
         let mut twice = seen.clone();
         twice.intersect_with(&self.once);
         self.unknown.subtract(&twice);
         self.once.union_with(&seen);
     }
 
-    /// The unknown cells beside the buildings of `skyline`, the highest first.
-    fn roofs_of(&self, skyline: &Skyline) -> Vec<(f64, Vec<Bits>)> {
+    /// The unknown cells beside the buildings of `height_map`, the highest first.
+    fn roofs_of(&self, height_map: &HeightMap) -> Vec<(f64, Vec<Bits>)> {
         let (mut roofs, mut rest) = (Vec::new(), self.unknown.clone());
-        for step in (0..skyline.highest().div_ceil(ROOF_STOREYS)).rev() {
-            let mut beside = skyline.near(step * ROOF_STOREYS + 1, BESIDE_M);
+        for step in (0..height_map.highest().div_ceil(ROOF_STOREYS)).rev() {
+            let mut beside = height_map.near(step * ROOF_STOREYS + 1, BESIDE_M);
             beside.intersect_with(&rest);
             rest.subtract(&beside);
             let words = (0..self.grid.rows).flat_map(|row| {
@@ -98,23 +98,24 @@ impl FirstLooks {
     }
 
     /// Those cells whose roofs are in the image, and near, at `place`.
-    pub(super) fn look(&mut self, place: Place) -> &View {
+    pub(super) fn look(&mut self, place: RoundedPose) -> &VisibleCells {
         if self.roofs.is_empty() {
             return &NOTHING;
         }
-        let Self { camera, grid, roofs, outlooks, known, .. } = self;
+        let Self { camera, grid, roofs, footprints, known, .. } = self;
         known.entry(place).or_insert_with(|| {
             let mut words = Vec::new();
             for (height_m, cells) in roofs {
                 let aim = place.aim_above(*height_m);
-                let outlook =
-                    outlooks.entry(aim).or_insert_with(|| Outlook::of(camera, aim, grid.cell_m));
+                let footprint = footprints
+                    .entry(aim)
+                    .or_insert_with(|| HeadingFootprint::of(camera, aim, grid.cell_m));
                 let eye = place.cell();
                 let seen =
-                    |&(row, word, bits): &Bits| (row, word, bits & outlook.word(eye, row, word));
+                    |&(row, word, bits): &Bits| (row, word, bits & footprint.word(eye, row, word));
                 words.extend(cells.iter().map(seen));
             }
-            View::of(grid, words.into_iter())
+            VisibleCells::of(grid, words.into_iter())
         })
     }
 }

@@ -29,9 +29,9 @@ fn town(seed: u64) -> RayCaster {
     caster
 }
 
-fn seen(looks: &mut FirstLooks, pose: &Pose) -> Raster {
+fn seen(first_looks: &mut FirstLooks, pose: &Pose) -> Raster {
     let mut seen = Raster::empty(grid());
-    looks.look(Place::of(pose, &grid())).add_to(&mut seen);
+    first_looks.look(RoundedPose::of(pose, &grid())).add_to(&mut seen);
     seen
 }
 
@@ -52,15 +52,15 @@ fn roofs_come_into_view_where_the_camera_sees_them() {
     let (mut high, mut low) = (0, 0);
     for round in 0..40 {
         let caster = town(round);
-        let skyline = caster.skyline();
+        let height_map = caster.height_map();
         let mut margin = Raster::empty(grid());
         fill(&mut margin, [-40.0, 60.0], [-90.0, 90.0]);
-        let mut looks = FirstLooks::new(grid(), &config);
-        looks.load(&everything(), &margin, skyline, &aside());
+        let mut first_looks = FirstLooks::new(grid(), &config);
+        first_looks.load(&everything(), &margin, height_map, &aside());
         let [x, y] = grid().centre(3 * rng.random_range(0..40), 3 * rng.random_range(0..35));
         let heading = f64::from(rng.random_range(0..1440)) * 0.25;
         let pose = Pose::level([x, y, 53.0], heading.to_radians());
-        let (seen, camera) = (seen(&mut looks, &pose), config.camera.at(&pose));
+        let (seen, camera) = (seen(&mut first_looks, &pose), config.camera.at(&pose));
         for (column, row) in everything().iter() {
             let p = grid().centre(column, row);
             // Whose squares are within 12 m.
@@ -68,7 +68,7 @@ fn roofs_come_into_view_where_the_camera_sees_them() {
             let beside = (-4..=4).flat_map(|x| (-4..=4).map(move |y| [x, y]));
             let beside = beside.filter(|[x, y]| gap_m(*x).hypot(gap_m(*y)) <= 12.0);
             let storeys =
-                beside.map(|[x, y]| skyline.storeys([column as i32 + x, row as i32 + y])).max();
+                beside.map(|[x, y]| height_map.storeys([column as i32 + x, row as i32 + y])).max();
             let height_m = f64::from(storeys.unwrap().next_multiple_of(5));
             let roof = Vector3::new(p[0], p[1], height_m);
             let in_image = camera
@@ -89,26 +89,26 @@ fn roofs_come_into_view_where_the_camera_sees_them() {
 #[test]
 fn what_was_free_once_is_never_looked_at_for_the_first_time() {
     let (caster, nothing) = (town(1), Raster::empty(grid()));
-    let mut looks = FirstLooks::new(grid(), &default_config());
+    let mut first_looks = FirstLooks::new(grid(), &default_config());
     let mut wanted = everything();
     let mut free = Raster::empty(grid());
     fill(&mut free, [40.0, 80.0], [-10.0, 40.0]);
     wanted.subtract(&free);
-    looks.load(&wanted, &nothing, caster.skyline(), &aside());
-    let before = seen(&mut looks, &middle());
-    looks.load(&everything(), &nothing, caster.skyline(), &aside());
-    assert_eq!(seen(&mut looks, &middle()), before);
+    first_looks.load(&wanted, &nothing, caster.height_map(), &aside());
+    let before = seen(&mut first_looks, &middle());
+    first_looks.load(&everything(), &nothing, caster.height_map(), &aside());
+    assert_eq!(seen(&mut first_looks, &middle()), before);
     assert!(before.count() > 50 && before.count_common(&free) == 0);
 }
 
 #[test]
 fn what_was_looked_at_twice_in_vain_is_given_up() {
     let (caster, nothing) = (town(1), Raster::empty(grid()));
-    let mut looks = FirstLooks::new(grid(), &default_config());
+    let mut first_looks = FirstLooks::new(grid(), &default_config());
     let mut counts = Vec::new();
     for pose in [middle(), aside(), middle(), aside()] {
-        looks.load(&everything(), &nothing, caster.skyline(), &pose);
-        counts.push(seen(&mut looks, &middle()).count());
+        first_looks.load(&everything(), &nothing, caster.height_map(), &pose);
+        counts.push(seen(&mut first_looks, &middle()).count());
     }
     assert!(counts[0] > 50, "{counts:?}");
     // The second look is the last that counts.
@@ -122,9 +122,9 @@ fn exact_cameras_see_farther() {
     let mut config = default_config();
     let counts = [[-0.01, 0.01], [-0.005, 0.0], [0.0, 0.0]].map(|depth_noise| {
         config.camera.depth_noise = depth_noise;
-        let mut looks = FirstLooks::new(grid(), &config);
-        looks.load(&everything(), &nothing, caster.skyline(), &aside());
-        seen(&mut looks, &middle()).count()
+        let mut first_looks = FirstLooks::new(grid(), &config);
+        first_looks.load(&everything(), &nothing, caster.height_map(), &aside());
+        seen(&mut first_looks, &middle()).count()
     });
     assert!(counts.is_sorted() && 4 * counts[0] < 3 * counts[1], "{counts:?}");
 }

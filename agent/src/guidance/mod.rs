@@ -6,14 +6,15 @@
 //! | `footprint` | F(x^u) ∩ X_g, a run of cells per row |
 //! | `shadow` | H^OEM(x^u), what the boxes of the OEM would hide |
 //! | [`criterion`] | what a criterion counts as seen, and its cost |
-//! | `looks` | what is seen from where, found once for all agents that know the same |
+//! | `view_cache` | what is seen from where, found once for all agents that know the same |
+//! | [`PlannerRasters`] | the sets that the planner reads, as rasters |
 //! | `nearest` | how far it is to the nearest part of X^Δ in the open |
 //! | [`rollout`] | prediction: poses and X^Δ, block by block |
 //! | `search` | the tree of yaw increments |
 //! | `beam` | `str4`: the best few candidates, block by block |
 //! | `first_looks` | buildings that `str4` has not seen from nearby yet |
-//! | `views` | what `str4` sees from where, remembered |
-//! | `skyline` | the buildings of the map on the cells of `str4` |
+//! | `rounded_views` | what `str4` sees from where, remembered |
+//! | `height_map` | the buildings of the map on the cells of `str4` |
 //! | `viewshed` | what buildings hide from a cell, for `str4` |
 //! | `turning` | motion with the delay of a turn, for `str4` |
 //! | `route` | `circles` and `lawnmower`: no planning |
@@ -33,30 +34,32 @@ mod beam;
 pub mod criterion;
 mod first_looks;
 mod footprint;
-mod looks;
+mod height_map;
 mod nearest;
+mod rasters;
 pub mod rollout;
+mod rounded_views;
 mod route;
 pub mod schedule;
 mod search;
 mod shadow;
-mod skyline;
 mod turning;
-mod views;
+mod view_cache;
 mod viewshed;
 
 use airspace::Ways;
 use beam::Beam;
-use criterion::{Sight, Terms, Weights};
-pub use looks::Looks;
-use rollout::{Level, Meeting, Motion, Surroundings};
+use criterion::{Terms, VisibilityModel, Weights};
+pub use rasters::PlannerRasters;
+use rollout::{Level, Motion, Surroundings, ViewOverlap};
 use route::Route;
 use search::Search;
+pub use view_cache::ViewCache;
 
 /// What an agent knows at a decision, as far as its planner cares. All rasters are on
 /// [`AgentConfig::raster_grid`].
 #[derive(Debug, Clone, Copy)]
-pub struct Picture<'a> {
+pub struct PlannerInput<'a> {
     /// X^Δ = X̄ ∪ ⋃ X_j (5.11).
     pub wanted: &'a Raster,
     /// X°.
@@ -71,14 +74,14 @@ pub struct Picture<'a> {
     /// M; only `str3` and `str4` read it.
     pub oem: &'a Oem,
     /// What was seen so far of `wanted` in the world of `oem`, by whomever; `str1` to `str3`.
-    pub looks: Option<&'a Looks>,
+    pub view_cache: Option<&'a ViewCache>,
     /// Which increments may be flown, at least one; `None` where buildings are below the flights.
     pub ways: Option<&'a Ways<'a>>,
 }
 
 /// Which block of a candidate is chosen for, where buildings are higher than the flights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Block {
+enum BlockKind {
     /// The one that is flown: it has to be safe.
     First,
     /// A later one, which keeps off what is known to stand in the way.
@@ -87,20 +90,20 @@ enum Block {
     Hopeless,
 }
 
-impl Block {
+impl BlockKind {
     /// That of this number.
     fn at(block: usize) -> Self {
         if block == 0 { Self::First } else { Self::Later }
     }
 }
 
-impl Picture<'_> {
+impl PlannerInput<'_> {
     /// The increments of `increments` that may be flown in a block from `pose` on.
-    fn choices(&self, increments: &[f64], pose: &Pose, block: Block) -> Vec<(usize, f64)> {
+    fn choices(&self, increments: &[f64], pose: &Pose, block: BlockKind) -> Vec<(usize, f64)> {
         let may_fly = |ways: &Ways<'_>, increment: f64| match block {
-            Block::First => ways.is_safe(increment),
-            Block::Later => ways.is_open(pose, increment),
-            Block::Hopeless => true,
+            BlockKind::First => ways.is_safe(increment),
+            BlockKind::Later => ways.is_open(pose, increment),
+            BlockKind::Hopeless => true,
         };
         let all = increments.iter().copied().enumerate();
         all.filter(|(_, increment)| self.ways.is_none_or(|w| may_fly(w, *increment))).collect()
@@ -139,9 +142,9 @@ enum Method {
 #[derive(Debug, Clone)]
 pub struct Planner {
     grid: Grid,
-    sight: Sight,
+    visibility: VisibilityModel,
     motion: Motion,
-    meeting: Meeting,
+    overlap: ViewOverlap,
     weights: Weights,
     increments: Vec<f64>,
     growth_m: f64,
@@ -166,9 +169,9 @@ impl Planner {
         };
         Self {
             grid,
-            sight: Sight::new(config),
+            visibility: VisibilityModel::new(config),
             motion: Motion::new(config),
-            meeting: Meeting::new(config),
+            overlap: ViewOverlap::new(config),
             weights: Weights::new(config),
             increments,
             growth_m: config.targets.v_max_m_s * guidance.period_s,
@@ -185,35 +188,35 @@ impl Planner {
     /// is missing is flown straight ahead, and a neighbour without a pose is ignored.
     pub fn plan(
         &mut self,
-        picture: &Picture<'_>,
+        input: &PlannerInput<'_>,
         pose: &Pose,
         neighbours: &[Vec<Pose>],
     ) -> Decision {
         match &mut self.method {
-            Method::Tree => self.search_tree(picture, pose, neighbours),
-            Method::Beam(beam) => beam.plan(picture, pose, neighbours),
-            Method::Route(route) => route.plan(picture, pose),
+            Method::Tree => self.search_tree(input, pose, neighbours),
+            Method::Beam(beam) => beam.plan(input, pose, neighbours),
+            Method::Route(route) => route.plan(input, pose),
         }
     }
 
     /// The best of all sequences.
     fn search_tree(
         &mut self,
-        picture: &Picture<'_>,
+        input: &PlannerInput<'_>,
         pose: &Pose,
         neighbours: &[Vec<Pose>],
     ) -> Decision {
-        self.sight.load(picture.oem);
-        let own = Looks::default();
-        let looks = picture.looks.unwrap_or(&own);
-        let looks = (looks, looks.grown(|| self.grown(picture.wanted)));
-        self.look_for_others(picture, looks, pose, neighbours);
+        self.visibility.load(input.oem);
+        let own = ViewCache::default();
+        let view_cache = input.view_cache.unwrap_or(&own);
+        let view_cache = (view_cache, view_cache.grown(|| self.grown(input.wanted)));
+        self.look_for_others(input, view_cache, pose, neighbours);
         if let Some(root) = self.levels.first_mut() {
-            root.remaining.clone_from(picture.wanted);
+            root.remaining.clone_from(input.wanted);
         }
-        let margin = self.sight.removes_margin().then_some(picture.margin);
+        let margin = self.visibility.removes_margin().then_some(input.margin);
         let mut search = Search {
-            sight: &mut self.sight,
+            visibility: &mut self.visibility,
             motion: self.motion,
             weights: self.weights,
             increments: &self.increments,
@@ -221,18 +224,18 @@ impl Planner {
                 growth_m: self.growth_m,
                 margin,
                 seen_by_others: &self.seen_by_others,
-                hidden_recent: picture.hidden_recent,
+                hidden_recent: input.hidden_recent,
             },
-            picture,
-            looks,
-            later: Block::Later,
+            input,
+            view_cache,
+            later: BlockKind::Later,
             trail: Vec::with_capacity(self.levels.len()),
             best: None,
             nodes: 0,
         };
         search.descend(&mut self.levels, pose);
         if search.best.is_none() {
-            search.later = Block::Hopeless;
+            search.later = BlockKind::Hopeless;
             search.descend(&mut self.levels, pose);
         }
         let nodes = search.nodes;
@@ -244,12 +247,12 @@ impl Planner {
 
     /// F(x^u) ∩ X_g (3.24).
     pub fn footprint(&self, pose: &Pose) -> Raster {
-        self.sight.footprint(pose).raster(self.grid)
+        self.visibility.footprint(pose).raster(self.grid)
     }
 
     /// H^OEM(x^u) ∩ F(x^u) ∩ X_g (4.42), for the OEM's metric (5.45); whatever the criterion.
     pub fn predicted_hidden(&mut self, oem: &Oem, pose: &Pose) -> Raster {
-        self.sight.predicted_hidden(oem, pose)
+        self.visibility.predicted_hidden(oem, pose)
     }
 
     /// All that X^Δ may cover within the horizon, whoever looks where.
@@ -261,19 +264,19 @@ impl Planner {
     /// Whoever is too far away to see what this UAV might is left out: in a large fleet most are.
     fn look_for_others(
         &mut self,
-        picture: &Picture<'_>,
-        looks: (&Looks, &Raster),
+        input: &PlannerInput<'_>,
+        view_cache: (&ViewCache, &Raster),
         own: &Pose,
         neighbours: &[Vec<Pose>],
     ) {
         let blocks = self.levels.len();
         self.seen_by_others.fill(Raster::empty(self.grid));
         for (index, plan) in neighbours.iter().enumerate() {
-            let hidden_now = picture.neighbours_hidden_now.get(index).copied().flatten();
+            let hidden_now = input.neighbours_hidden_now.get(index).copied().flatten();
             let poses = self.motion.forecast(plan, 0, blocks);
             for (pose, seen) in poses.iter().zip(&mut self.seen_by_others) {
-                if self.meeting.may_see_the_same(own, pose) {
-                    self.sight.look(pose, hidden_now, looks).add_to(seen);
+                if self.overlap.may_see_the_same(own, pose) {
+                    self.visibility.look(pose, hidden_now, view_cache).add_to(seen);
                 }
             }
         }

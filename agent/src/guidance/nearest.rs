@@ -9,17 +9,17 @@ use csat_proto::raster::{Grid, Raster};
 
 /// A cell of the set, by its distance first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Candidate {
+struct RowCandidate {
     /// Lengths compare as their bits do.
     distance_bits: u64,
     row: u32,
     column: u32,
-    way: Way,
+    side: Side,
 }
 
 /// Where the next cells of a row are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Way {
+enum Side {
     East,
     West,
 }
@@ -34,31 +34,31 @@ pub(super) fn nearest_m(
 ) -> Option<f64> {
     let grid = set.grid();
     let [column, row] = cell_at(grid, from);
-    let candidate = |row: u32, column: u32, way: Way| {
-        let column = next_cell(set.row(row), column, way, skipped(row))?;
+    let candidate = |row: u32, column: u32, side: Side| {
+        let column = next_cell(set.row(row), column, side, skipped(row))?;
         let centre = grid.centre(column, row);
         let distance_m = (centre[0] - from[0]).hypot(centre[1] - from[1]);
-        Some(Reverse(Candidate { distance_bits: distance_m.to_bits(), row, column, way }))
+        Some(Reverse(RowCandidate { distance_bits: distance_m.to_bits(), row, column, side }))
     };
     let mut rows = rows_from(grid, row, from[1]).peekable();
     let mut found = BinaryHeap::new();
     loop {
         let may_beat_all = |gap_m: f64| {
-            found.peek().is_none_or(|Reverse(best): &Reverse<Candidate>| {
+            found.peek().is_none_or(|Reverse(best): &Reverse<RowCandidate>| {
                 gap_m.to_bits() <= best.distance_bits
             })
         };
         if let Some((_, row)) = rows.next_if(|(gap_m, _)| may_beat_all(*gap_m)) {
-            found.extend(candidate(row, column, Way::East));
-            found.extend(candidate(row, column, Way::West));
+            found.extend(candidate(row, column, Side::East));
+            found.extend(candidate(row, column, Side::West));
             continue;
         }
-        let Reverse(Candidate { distance_bits, row, column, way }) = found.pop()?;
+        let Reverse(RowCandidate { distance_bits, row, column, side }) = found.pop()?;
         if accept(column, row) {
             return Some(f64::from_bits(distance_bits));
         }
-        let beyond = if way == Way::East { column + 1 } else { column };
-        found.extend(candidate(row, beyond, way));
+        let beyond = if side == Side::East { column + 1 } else { column };
+        found.extend(candidate(row, beyond, side));
     }
 }
 
@@ -87,15 +87,15 @@ fn rows_from(grid: &Grid, start: u32, y: f64) -> impl Iterator<Item = (f64, u32)
 }
 
 /// The first cell of a row from `column` on eastwards, or before it westwards, that is not skipped.
-fn next_cell(words: &[u64], column: u32, way: Way, skipped: Range<u32>) -> Option<u32> {
-    let next = |column| match way {
-        Way::East => first_from(words, column),
-        Way::West => last_before(words, column),
+fn next_cell(words: &[u64], column: u32, side: Side, skipped: Range<u32>) -> Option<u32> {
+    let next = |column| match side {
+        Side::East => first_from(words, column),
+        Side::West => last_before(words, column),
     };
-    next(column).and_then(|found| match way {
+    next(column).and_then(|found| match side {
         _ if !skipped.contains(&found) => Some(found),
-        Way::East => next(skipped.end),
-        Way::West => next(skipped.start),
+        Side::East => next(skipped.end),
+        Side::West => next(skipped.start),
     })
 }
 

@@ -49,12 +49,12 @@ impl Motion {
 
 /// Whose views one's own may meet within the horizon.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Meeting {
+pub(super) struct ViewOverlap {
     /// From farther away nothing is seen that the own UAV could see, metres.
     reach_m: f64,
 }
 
-impl Meeting {
+impl ViewOverlap {
     pub(super) fn new(config: &AgentConfig) -> Self {
         let way_m = Motion::new(config).block_m * config.guidance.blocks() as f64;
         Self { reach_m: way_m + 2.0 * config.planning_camera().d_max_m }

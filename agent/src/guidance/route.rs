@@ -6,7 +6,7 @@ use csat_proto::camera::Pose;
 
 use super::criterion::Terms;
 use super::rollout::Motion;
-use super::{Block, Decision, Picture};
+use super::{BlockKind, Decision, PlannerInput};
 use crate::config::{AgentConfig, Criterion};
 
 /// Lanes are at most this far apart, metres: less than a footprint is wide.
@@ -57,16 +57,16 @@ impl Route {
     }
 
     /// The next blocks along the course. Only the waypoint that is flown to is remembered.
-    pub(super) fn plan(&mut self, picture: &Picture<'_>, pose: &Pose) -> Decision {
-        self.course.pass(picture, pose, self.capture_m);
+    pub(super) fn plan(&mut self, input: &PlannerInput<'_>, pose: &Pose) -> Decision {
+        self.course.pass(input, pose, self.capture_m);
         let mut ahead = self.course.clone();
         let (mut increments_rad, mut poses, mut pose) = (Vec::new(), Vec::new(), *pose);
         for block in 0..self.blocks {
-            ahead.pass(picture, &pose, self.capture_m);
+            ahead.pass(input, &pose, self.capture_m);
             let turn_rad = ahead.heading_rad(&pose) - pose.yaw_rad;
-            let mut choices = picture.choices(&self.increments, &pose, Block::at(block));
+            let mut choices = input.choices(&self.increments, &pose, BlockKind::at(block));
             if choices.is_empty() {
-                choices = picture.choices(&self.increments, &pose, Block::Hopeless);
+                choices = input.choices(&self.increments, &pose, BlockKind::Hopeless);
             }
             let increment_rad = nearest(&choices, turn_rad);
             pose = self.motion.advance(&pose, increment_rad);
@@ -87,10 +87,10 @@ fn nearest(choices: &[(usize, f64)], turn_rad: f64) -> f64 {
 impl Course {
     /// Goes on to the next waypoint if `pose` is within `capture_m` of this one, or farther away if a
     /// building stands there.
-    fn pass(&mut self, picture: &Picture<'_>, pose: &Pose, capture_m: f64) {
+    fn pass(&mut self, input: &PlannerInput<'_>, pose: &Pose, capture_m: f64) {
         if let Self::Lanes { waypoints, next } = self {
             let [x, y] = waypoints[*next];
-            let is_built = picture.ways.is_some_and(|ways| ways.is_built([x, y]));
+            let is_built = input.ways.is_some_and(|ways| ways.is_built([x, y]));
             let capture_m = if is_built { BUILT_CAPTURES * capture_m } else { capture_m };
             if (x - pose.p_world[0]).hypot(y - pose.p_world[1]) < capture_m {
                 *next = (*next + 1) % waypoints.len();

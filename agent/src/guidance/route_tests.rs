@@ -20,9 +20,9 @@ fn flight(config: &AgentConfig) -> Vec<Pose> {
     let (mut planner, motion) = (Planner::new(config), Motion::new(config));
     let mut pose = Pose::level([-0.5 * config.ground.size_m[0] - 10.0, 0.0, 52.0], 0.0);
     let fly = |_| {
-        let decision = planner.plan(&scene.picture(), &pose, &[]);
+        let decision = planner.plan(&scene.input(), &pose, &[]);
         // Two passes per decision: the second must not change anything.
-        assert_eq!(planner.plan(&scene.picture(), &pose, &[]), decision);
+        assert_eq!(planner.plan(&scene.input(), &pose, &[]), decision);
         assert_eq!(decision.poses.len(), config.guidance.blocks());
         pose = motion.advance(&pose, decision.increments_rad[0]);
         assert_eq!(pose, decision.poses[0]);

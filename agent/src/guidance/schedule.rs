@@ -92,7 +92,7 @@ struct Neighbour {
 
 /// Where the current decision stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Stage {
+enum DecisionStage {
     /// Nothing to plan until the next instant.
     Idle,
     /// This pass is to be planned, as soon as nothing is waited for.
@@ -120,7 +120,7 @@ pub struct Scheduler {
     step: Step,
     /// Of the last frame: an agent that begins in mid-mission has no decision yet.
     frame: Step,
-    stage: Stage,
+    stage: DecisionStage,
 }
 
 impl Scheduler {
@@ -148,7 +148,7 @@ impl Scheduler {
             start: SimTime(0),
             step: Step(0),
             frame: Step(0),
-            stage: Stage::Idle,
+            stage: DecisionStage::Idle,
         }
     }
 
@@ -169,7 +169,7 @@ impl Scheduler {
     pub fn on_instant(&mut self, now: SimTime) {
         self.start = now;
         self.step = Step((now.seconds() / self.period_s).round() as u32);
-        self.stage = Stage::Pass(0);
+        self.stage = DecisionStage::Pass(0);
     }
 
     /// A neighbour's plan arrived; of any decision, in any order, any number of times.
@@ -222,11 +222,11 @@ impl Scheduler {
     /// The own plan of a pass was made and announced. True when it was the last pass: its first
     /// increment is the command. A plan of another pass than the current one changes nothing.
     pub fn on_own_plan(&mut self, plan: &Plan) -> bool {
-        if plan.step != self.step || self.stage != Stage::Pass(plan.pass) {
+        if plan.step != self.step || self.stage != DecisionStage::Pass(plan.pass) {
             return false;
         }
         let last = plan.pass + 1 >= self.passes;
-        self.stage = if last { Stage::Idle } else { Stage::Pass(plan.pass + 1) };
+        self.stage = if last { DecisionStage::Idle } else { DecisionStage::Pass(plan.pass + 1) };
         last
     }
 
@@ -241,7 +241,7 @@ impl Scheduler {
     /// When to call [`Self::on_timeout`]: the end of the current wait; `None` when nothing is waited
     /// for.
     pub fn next_deadline(&self) -> Option<SimTime> {
-        let Stage::Pass(pass) = self.stage else { return None };
+        let DecisionStage::Pass(pass) = self.stage else { return None };
         self.awaited().next()?;
         let count = self.fleet.len();
         let slot = (usize::from(pass) * count + self.own + 1) as f64;
@@ -251,7 +251,7 @@ impl Scheduler {
 
     /// The pass this agent may plan now.
     pub fn ready(&self) -> Option<Pass> {
-        let Stage::Pass(pass) = self.stage else { return None };
+        let DecisionStage::Pass(pass) = self.stage else { return None };
         if self.awaited().next().is_some() {
             return None;
         }
@@ -269,8 +269,8 @@ impl Scheduler {
     /// Whose plans the current pass waits for: those it builds on that have not said theirs.
     fn awaited(&self) -> impl Iterator<Item = usize> + '_ {
         let pass = match (self.stage, self.schedule) {
-            (Stage::Idle, _) | (_, Schedule::Asynchronous) => None,
-            (Stage::Pass(pass), _) => Some(pass),
+            (DecisionStage::Idle, _) | (_, Schedule::Asynchronous) => None,
+            (DecisionStage::Pass(pass), _) => Some(pass),
         };
         pass.into_iter()
             .flat_map(|pass| self.built_on(pass).map(move |index| (pass, index)))

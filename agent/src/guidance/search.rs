@@ -3,11 +3,11 @@
 use csat_proto::camera::Pose;
 use csat_proto::raster::Raster;
 
-use super::criterion::{Sight, Terms, Weights};
-use super::looks::Looks;
+use super::criterion::{Terms, VisibilityModel, Weights};
 use super::rollout::{Level, Motion, Surroundings};
-use super::views::View;
-use super::{Block, Picture};
+use super::rounded_views::VisibleCells;
+use super::view_cache::ViewCache;
+use super::{BlockKind, PlannerInput};
 
 /// A block of a candidate: its yaw increment, radians, and the pose at its end.
 pub(super) type Choice = (f64, Pose);
@@ -22,17 +22,17 @@ pub(super) struct Best {
 
 /// One search.
 pub(super) struct Search<'a> {
-    pub(super) sight: &'a mut Sight,
+    pub(super) visibility: &'a mut VisibilityModel,
     pub(super) motion: Motion,
     pub(super) weights: Weights,
     /// U, radians, in the order of preference among equals.
     pub(super) increments: &'a [f64],
     pub(super) around: Surroundings<'a>,
-    pub(super) picture: &'a Picture<'a>,
+    pub(super) input: &'a PlannerInput<'a>,
     /// Those in the world of the OEM, and what X^Δ may grow to.
-    pub(super) looks: (&'a Looks, &'a Raster),
+    pub(super) view_cache: (&'a ViewCache, &'a Raster),
     /// How blocks after the first are chosen.
-    pub(super) later: Block,
+    pub(super) later: BlockKind,
     /// The choices from the root to the current node.
     pub(super) trail: Vec<Choice>,
     pub(super) best: Option<Best>,
@@ -46,10 +46,10 @@ impl Search<'_> {
     pub(super) fn descend(&mut self, levels: &mut [Level], pose: &Pose) {
         let Some((level, deeper)) = levels.split_first_mut() else { return };
         level.pass_block(self.trail.len(), &self.around);
-        let block = if self.trail.is_empty() { Block::First } else { self.later };
-        for (_, increment_rad) in self.picture.choices(self.increments, pose, block) {
+        let block = if self.trail.is_empty() { BlockKind::First } else { self.later };
+        for (_, increment_rad) in self.input.choices(self.increments, pose, block) {
             let next = self.motion.advance(pose, increment_rad);
-            let seen = self.sight.look(&next, Some(self.picture.hidden_now), self.looks);
+            let seen = self.visibility.look(&next, Some(self.input.hidden_now), self.view_cache);
             self.nodes += 1;
             self.trail.push((increment_rad, next));
             match deeper.first_mut() {
@@ -65,7 +65,7 @@ impl Search<'_> {
     }
 
     /// Keeps the trail if it costs less than every one before it.
-    fn judge(&mut self, level: &Level, seen: &View, pose: &Pose) {
+    fn judge(&mut self, level: &Level, seen: &VisibleCells, pose: &Pose) {
         let seen_cells = seen.count_in(&level.base);
         let seen_hidden = seen.count_in_both(&level.base, self.around.hidden_recent);
         let cell_m2 = level.base.grid().cell_m.powi(2);
@@ -79,11 +79,11 @@ impl Search<'_> {
         if self.weights.cost(&terms) >= best_cost {
             return;
         }
-        terms.distance_m = self.sight.distance_m(
+        terms.distance_m = self.visibility.distance_m(
             &level.base,
             seen,
-            self.picture.hidden_now,
-            self.picture.oem,
+            self.input.hidden_now,
+            self.input.oem,
             pose,
         );
         let cost = self.weights.cost(&terms);

@@ -14,32 +14,32 @@ use crate::estimate::oem::Oem;
 
 /// The Occupied cells of an OEM, row by row.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Towers {
+pub(super) struct OccupiedCells {
     cell_m: f64,
     origin: [f64; 2],
     /// (x, y, height) of the cells' centres, `world`, metres.
-    towers: Vec<[f64; 3]>,
-    /// Where each row starts in `towers`, and the end.
+    occupied: Vec<[f64; 3]>,
+    /// Where each row starts in `occupied`, and the end.
     row_starts: Vec<usize>,
 }
 
-impl Towers {
+impl OccupiedCells {
     /// Replaces the towers by the boxes (4.41) of `oem`.
     pub(super) fn load(&mut self, oem: &Oem) {
         let grid = oem.grid();
         (self.cell_m, self.origin) = (grid.cell_m, grid.origin());
-        self.towers.clear();
+        self.occupied.clear();
         self.row_starts.clear();
         for (cells, row) in oem.cells().chunks(grid.columns as usize).zip(0..) {
-            self.row_starts.push(self.towers.len());
+            self.row_starts.push(self.occupied.len());
             for (cell, column) in cells.iter().zip(0..) {
                 if let OemCell::Occupied { height_dm } = *cell {
                     let [x, y] = grid.centre(column, row);
-                    self.towers.push([x, y, f64::from(height_dm) / 10.0]);
+                    self.occupied.push([x, y, f64::from(height_dm) / 10.0]);
                 }
             }
         }
-        self.row_starts.push(self.towers.len());
+        self.row_starts.push(self.occupied.len());
     }
 
     /// The towers of the rows within `reach_m` of `y`.
@@ -47,13 +47,13 @@ impl Towers {
         let Some(rows) = self.row_starts.len().checked_sub(1) else { return &[] };
         let row = |y: f64| ((y - self.origin[1]) / self.cell_m).clamp(0.0, rows as f64);
         let (first, last) = (row(y - reach_m).floor(), row(y + reach_m).ceil());
-        &self.towers[self.row_starts[first as usize]..self.row_starts[last as usize]]
+        &self.occupied[self.row_starts[first as usize]..self.row_starts[last as usize]]
     }
 }
 
-/// Casts the shadows of [`Towers`] for one pose at a time.
+/// Casts the shadows of [`OccupiedCells`] for one pose at a time.
 #[derive(Debug, Clone)]
-pub(super) struct Caster {
+pub(super) struct ShadowCaster {
     cell_m: f64,
     origin: [f64; 2],
     reach_m: f64,
@@ -62,14 +62,14 @@ pub(super) struct Caster {
     /// Words per ray; bit b is the cell b cells away along the quadrant's axis.
     words: usize,
     bits: Vec<u64>,
-    foot: [f64; 2],
+    nadir: [f64; 2],
     /// The foot's cell, also outside the grid.
-    foot_cell: [i64; 2],
+    nadir_cell: [i64; 2],
     /// Where that cell's centre is, seen from the foot.
     phase: [f64; 2],
 }
 
-impl Caster {
+impl ShadowCaster {
     /// A caster for cells of `grid` that look no farther than `reach_m`. Rays are at most one cell
     /// apart there.
     pub(super) fn new(grid: &Grid, reach_m: f64) -> Self {
@@ -82,29 +82,34 @@ impl Caster {
             rays,
             words,
             bits: vec![0; 4 * rays * words],
-            foot: [0.0; 2],
-            foot_cell: [0; 2],
+            nadir: [0.0; 2],
+            nadir_cell: [0; 2],
             phase: [0.0; 2],
         }
     }
 
     /// Forgets the last pose and casts the shadows for a camera at `p_world`. Only shadows that may
     /// fall into `footprint` (a convex ring, metres) are cast.
-    pub(super) fn cast(&mut self, towers: &Towers, p_world: [f64; 3], footprint: &[[f64; 2]]) {
+    pub(super) fn cast(
+        &mut self,
+        occupied: &OccupiedCells,
+        p_world: [f64; 3],
+        footprint: &[[f64; 2]],
+    ) {
         let [x, y, z] = p_world;
         self.bits.fill(0);
-        self.foot = [x, y];
+        self.nadir = [x, y];
         for axis in 0..2 {
-            let cell = ((self.foot[axis] - self.origin[axis]) / self.cell_m).floor();
-            self.foot_cell[axis] = cell as i64;
-            self.phase[axis] = self.origin[axis] + (cell + 0.5) * self.cell_m - self.foot[axis];
+            let cell = ((self.nadir[axis] - self.origin[axis]) / self.cell_m).floor();
+            self.nadir_cell[axis] = cell as i64;
+            self.phase[axis] = self.origin[axis] + (cell + 0.5) * self.cell_m - self.nadir[axis];
         }
-        let half = 0.5 * towers.cell_m;
+        let half = 0.5 * occupied.cell_m;
         // No point of a cell is farther from its centre than this.
         let margin = half * std::f64::consts::SQRT_2;
         let fan = Fan::around([x, y], footprint);
-        for &[tower_x, tower_y, height] in towers.near_rows(y, self.reach_m + half) {
-            let d = [tower_x - x, tower_y - y];
+        for &[cell_x, cell_y, height] in occupied.near_rows(y, self.reach_m + half) {
+            let d = [cell_x - x, cell_y - y];
             let out_of_reach = d[0].abs() > self.reach_m + half;
             if out_of_reach || fan.as_ref().is_some_and(|fan| !fan.meets(d, margin)) {
                 continue;
@@ -150,7 +155,7 @@ impl Caster {
     /// within the footprint given to [`Self::cast`]; exact but for cells whose border the shadow's
     /// border crosses.
     pub(super) fn hidden_bits(&self, row: u32, word: usize, bits: u64) -> u64 {
-        let rows_away = i64::from(row) - self.foot_cell[1];
+        let rows_away = i64::from(row) - self.nadir_cell[1];
         let y = rows_away as f64 * self.cell_m + self.phase[1];
         let (vertical, row_bin) =
             (if y < 0.0 { Quadrant::South } else { Quadrant::North }, rows_away.unsigned_abs());
@@ -160,7 +165,7 @@ impl Caster {
         while rest != 0 {
             let bit = rest.trailing_zeros();
             rest &= rest - 1;
-            let columns_away = word as i64 * 64 + i64::from(bit) - self.foot_cell[0];
+            let columns_away = word as i64 * 64 + i64::from(bit) - self.nadir_cell[0];
             let x = columns_away as f64 * self.cell_m + self.phase[0];
             let (quadrant, slope, bin) = if x.abs() < y.abs() {
                 (vertical, x * per_y, row_bin)
@@ -221,9 +226,9 @@ struct Fan {
 
 impl Fan {
     /// `None` when the foot lies inside the ring, so that every direction counts.
-    fn around(foot: [f64; 2], ring: &[[f64; 2]]) -> Option<Self> {
+    fn around(nadir: [f64; 2], ring: &[[f64; 2]]) -> Option<Self> {
         let mut directions = ring.iter().filter_map(|p| {
-            let d = [p[0] - foot[0], p[1] - foot[1]];
+            let d = [p[0] - nadir[0], p[1] - nadir[1]];
             let length = d[0].hypot(d[1]);
             (length > 0.0).then(|| [d[0] / length, d[1] / length])
         });

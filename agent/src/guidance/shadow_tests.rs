@@ -34,7 +34,7 @@ pub(in super::super) fn random_oem(rng: &mut ChaCha8Rng, tallest_m: f64) -> Oem 
     oem
 }
 
-fn hides(caster: &Caster, column: u32, row: u32) -> bool {
+fn hides(caster: &ShadowCaster, column: u32, row: u32) -> bool {
     caster.hidden_bits(row, column as usize / 64, 1 << (column % 64)) != 0
 }
 
@@ -99,16 +99,16 @@ fn is_interior(set: &Raster, column: u32, row: u32) -> bool {
 #[test]
 fn shadows_are_the_union_of_the_hulls_of_the_boxes() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
-    let (grid, mut towers, mut caster) =
-        (grid(2.0), Towers::default(), Caster::new(&grid(2.0), 300.0));
+    let (grid, mut occupied, mut caster) =
+        (grid(2.0), OccupiedCells::default(), ShadowCaster::new(&grid(2.0), 300.0));
     let (mut footprint_cells, mut border_differences) = (0, 0);
     for _ in 0..30 {
         let oem = random_oem(&mut rng, 45.0);
         let eye = [rng.random_range(-260.0..260.0), rng.random_range(-260.0..260.0), 52.0];
         let pose = Pose::level(eye, rng.random_range(-4.0..4.0));
         let footprint = Footprint::of(&CameraModel::default().at(&pose), &grid);
-        towers.load(&oem);
-        caster.cast(&towers, eye, footprint.corners());
+        occupied.load(&oem);
+        caster.cast(&occupied, eye, footprint.corners());
         let mut expected = Raster::empty(grid);
         for ring in hulls(&oem, eye) {
             expected.fill_rings(&[ring]);
@@ -155,9 +155,9 @@ fn what_reaches_the_camera_hides_to_the_horizon() {
     occupy(&mut oem, 60, 50, 60.0); // x 50..55, y 0..5
     let (grid, eye) = (grid(2.0), [0.0, 0.0, 52.0]);
     let footprint = Footprint::of(&CameraModel::default().at(&Pose::level(eye, 0.0)), &grid);
-    let (mut towers, mut caster) = (Towers::default(), Caster::new(&grid, 300.0));
-    towers.load(&oem);
-    caster.cast(&towers, eye, footprint.corners());
+    let (mut occupied, mut caster) = (OccupiedCells::default(), ShadowCaster::new(&grid, 300.0));
+    occupied.load(&oem);
+    caster.cast(&occupied, eye, footprint.corners());
     for x in [51.0, 61.0, 151.0, 229.0] {
         let (column, row) = grid.cell_of([x, 1.0]).unwrap();
         assert!(hides(&caster, column, row), "{x}");
@@ -179,5 +179,5 @@ fn looking_down_there_is_no_fan() {
     assert!(
         fan.meets([5.0, 0.0], 0.0) && !fan.meets([-5.0, 0.0], 1.0) && !fan.meets([0.0, 5.0], 1.0)
     );
-    assert!(fan.meets([-1.0, 0.0], 2.0), "a cell at the foot may cast into the fan");
+    assert!(fan.meets([-1.0, 0.0], 2.0), "a cell at the nadir may cast into the fan");
 }

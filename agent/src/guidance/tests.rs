@@ -53,15 +53,15 @@ impl Scene {
         }
     }
 
-    pub(super) fn picture(&self) -> Picture<'_> {
-        Picture {
+    pub(super) fn input(&self) -> PlannerInput<'_> {
+        PlannerInput {
             wanted: &self.wanted,
             margin: &self.margin,
             hidden_now: &self.hidden_now,
             neighbours_hidden_now: &[],
             hidden_recent: &self.hidden_recent,
             oem: &self.oem,
-            looks: None,
+            view_cache: None,
             ways: None,
         }
     }
@@ -90,7 +90,7 @@ fn both_sides(config: &AgentConfig) -> Scene {
 }
 
 fn first_turn(config: &AgentConfig, scene: &Scene, neighbours: &[Vec<Pose>]) -> f64 {
-    turn(&Planner::new(config).plan(&scene.picture(), &middle(), neighbours))
+    turn(&Planner::new(config).plan(&scene.input(), &middle(), neighbours))
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn neighbours_repel() {
     for criterion in CRITERIA {
         let config = left_or_right(criterion, 1.0);
         let scene = both_sides(&config);
-        let first = Planner::new(&config).plan(&scene.picture(), &middle(), &[]);
+        let first = Planner::new(&config).plan(&scene.input(), &middle(), &[]);
         assert_eq!(turn(&first), LEFT);
         assert_eq!(first_turn(&config, &scene, &[first.poses]), RIGHT, "{criterion:?}");
         assert_eq!(first_turn(&config, &scene, &[vec![]]), LEFT, "a neighbour without a plan");
@@ -162,18 +162,18 @@ fn shared_looks_change_nothing_and_save_looking_twice() {
         let config = left_or_right(criterion, 1.0);
         let mut scene = both_sides(&config);
         (45..90).for_each(|column| scene.occupy(column, 61, 400));
-        let looks = Looks::default();
-        let together = Picture { looks: Some(&looks), ..scene.picture() };
+        let view_cache = ViewCache::default();
+        let together = PlannerInput { view_cache: Some(&view_cache), ..scene.input() };
         let first = Planner::new(&config).plan(&together, &middle(), &[]).poses;
         let second = vec![Pose { yaw_rad: -0.4, ..first[0] }];
         for (plans, poses_looked_from) in
             [(vec![], 2), (vec![first.clone()], 2), (vec![first, second], 3)]
         {
-            let alone = Planner::new(&config).plan(&scene.picture(), &middle(), &plans);
+            let alone = Planner::new(&config).plan(&scene.input(), &middle(), &plans);
             let shared = Planner::new(&config).plan(&together, &middle(), &plans);
             assert_eq!(format!("{alone:?}"), format!("{shared:?}"), "{criterion:?}");
             let expected = if criterion == Criterion::Str3 { poses_looked_from } else { 0 };
-            assert_eq!(looks.poses(), expected, "{criterion:?}");
+            assert_eq!(view_cache.poses(), expected, "{criterion:?}");
         }
     }
 }
@@ -186,11 +186,11 @@ fn what_is_hidden_to_a_neighbour_is_left_to_others() {
     let mut all = Raster::empty(config.raster_grid());
     fill(&mut all, [-250.0, 250.0], [-250.0, 250.0]);
     let mut planner = Planner::new(&config);
-    let taken = vec![vec![planner.plan(&scene.picture(), &middle(), &[]).poses[0]]];
+    let taken = vec![vec![planner.plan(&scene.input(), &middle(), &[]).poses[0]]];
     let hidden = [Some(&all)];
-    let picture = Picture { neighbours_hidden_now: &hidden, ..scene.picture() };
-    assert_eq!(turn(&planner.plan(&picture, &middle(), &taken)), LEFT);
-    assert_eq!(turn(&planner.plan(&scene.picture(), &middle(), &taken)), RIGHT);
+    let input = PlannerInput { neighbours_hidden_now: &hidden, ..scene.input() };
+    assert_eq!(turn(&planner.plan(&input, &middle(), &taken)), LEFT);
+    assert_eq!(turn(&planner.plan(&scene.input(), &middle(), &taken)), RIGHT);
 }
 
 /// All candidates see nothing: the distance decides, also when no footprint meets the region.
@@ -205,12 +205,12 @@ fn who_sees_nothing_flies_to_the_nearest_remains() {
         (Pose::level([200.0, 0.0, 52.0], 0.3), LEFT),
         (Pose::level([400.0, -100.0, 52.0], -1.0), RIGHT),
     ] {
-        let decision = planner.plan(&scene.picture(), &pose, &[]);
+        let decision = planner.plan(&scene.input(), &pose, &[]);
         assert_eq!(turn(&decision), expected, "{pose:?}");
         assert!(decision.terms.distance_m > 100.0);
     }
     let nothing = Scene::new(&config);
-    let decision = planner.plan(&nothing.picture(), &middle(), &[]);
+    let decision = planner.plan(&nothing.input(), &middle(), &[]);
     assert_eq!((decision.increments_rad, decision.cost), (vec![0.0], 0.0), "straight ahead");
 }
 

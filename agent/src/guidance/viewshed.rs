@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use csat_proto::raster::Grid;
 
-use super::skyline::{Layout, STOREY_M, Skyline};
+use super::height_map::{HeightMap, Layout, STOREY_M};
 use crate::estimate::oem::Oem;
 
 /// Parts of 1 that stretches are told in.
@@ -23,7 +23,7 @@ const AXES: [[i32; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 
 /// A ray of a quadrant, so many cells along its axis; in cells to the left of the axis.
 #[derive(Debug, Clone, Copy)]
-struct Step {
+struct RayStep {
     /// The cell it passes.
     passes: i16,
     /// The first cell that takes this ray: the last one comes before the first of the next ray.
@@ -72,11 +72,11 @@ impl Viewshed {
 /// Finds viewsheds in a map.
 #[derive(Debug, Clone)]
 pub(super) struct RayCaster {
-    skyline: Skyline,
+    height_map: HeightMap,
     /// How far rays go, cells along their quadrant's axis; there are as many rays in a quadrant.
     reach: i32,
     /// By ray of a quadrant, with one past the last, and cell along its axis.
-    steps: Vec<Step>,
+    steps: Vec<RayStep>,
     /// By storeys: what the distance of their far side is multiplied by to give their shadow's end, seen
     /// from `z_m`; in shares of [`STRETCH`].
     stretch: [u64; 256],
@@ -87,12 +87,12 @@ impl RayCaster {
     /// Of an empty map on `grid`, for looks no farther than `reach_m` on the ground.
     pub(super) fn new(grid: Grid, reach_m: f64) -> Self {
         let reach = (reach_m / grid.cell_m).ceil().clamp(1.0, f64::from(i16::MAX)) as i32;
-        let step = |ray: i32, cell: i32| Step {
+        let step = |ray: i32, cell: i32| RayStep {
             passes: ((2 * ray + 1 - reach) * cell + reach / 2).div_euclid(reach) as i16,
             first: -((reach - 2 * ray) * cell).div_euclid(reach) as i16,
         };
         Self {
-            skyline: Skyline::of(&Oem::unexplored(grid), &grid, reach),
+            height_map: HeightMap::of(&Oem::unexplored(grid), &grid, reach),
             reach,
             steps: (0..=reach).flat_map(|r| (0..=reach).map(move |c| step(r, c))).collect(),
             stretch: [0; 256],
@@ -101,15 +101,15 @@ impl RayCaster {
     }
 
     /// What it casts rays in.
-    pub(super) fn skyline(&self) -> &Skyline {
-        &self.skyline
+    pub(super) fn height_map(&self) -> &HeightMap {
+        &self.height_map
     }
 
     /// The next rays are cast in `oem`; false if it looks as before.
     pub(super) fn load(&mut self, oem: &Oem) -> bool {
-        let skyline = Skyline::of(oem, self.skyline.grid(), self.reach);
-        let is_new = skyline != self.skyline;
-        self.skyline = skyline;
+        let height_map = HeightMap::of(oem, self.height_map.grid(), self.reach);
+        let is_new = height_map != self.height_map;
+        self.height_map = height_map;
         is_new
     }
 
@@ -140,7 +140,7 @@ impl RayCaster {
     /// What is hidden from `z_m` above the middle of a cell, (column, row), within `reach_m` on the ground:
     /// nothing, until rays are cast.
     pub(super) fn viewshed(&self, eye: [i32; 2], z_m: f64, reach_m: f64) -> Viewshed {
-        let reach = self.reach.min((reach_m / self.skyline.grid().cell_m).ceil() as i32);
+        let reach = self.reach.min((reach_m / self.height_map.grid().cell_m).ceil() as i32);
         let corner = [(eye[0] - reach).div_euclid(64), eye[1] - reach];
         let words_per_row = (eye[0] + reach).div_euclid(64) - corner[0] + 1;
         let words = words_per_row * (2 * reach + 1);
@@ -150,7 +150,7 @@ impl RayCaster {
 
     /// Casts those of `rays` that were not.
     pub(super) fn cast(&mut self, viewshed: &mut Viewshed, rays: &Rays) {
-        if !self.skyline.is_in_reach_of(viewshed.eye) {
+        if !self.height_map.is_in_reach_of(viewshed.eye) {
             return;
         }
         self.set_height(viewshed.z_m);
@@ -191,16 +191,16 @@ impl RayCaster {
         let axes = [AXES[quadrant], AXES[(quadrant + 1) % 4]];
         let (eye, axis) = (viewshed.eye, quadrant % 2);
         let cells = self.cells_within(viewshed.reach, ray);
-        let inside = inside(eye[axis], axes[0][axis], self.skyline.sides()[axis], cells);
+        let inside = inside(eye[axis], axes[0][axis], self.height_map.sides()[axis], cells);
         let steps = |ray: usize| &self.steps[ray * (self.reach as usize + 1)..];
         let (steps, next) = (steps(ray), steps(ray + 1));
-        let at = self.skyline.layout().walk(eye, axes);
+        let at = self.height_map.layout().walk(eye, axes);
         let hidden_at = viewshed.layout().walk(eye, axes);
         // In halves of a cell and shares of STRETCH.
         let mut end = 0;
         for cell in inside {
             let step = steps[cell as usize];
-            let storeys = self.skyline.storeys_at(at.index(cell, step.passes));
+            let storeys = self.height_map.storeys_at(at.index(cell, step.passes));
             // Mostly there is nothing.
             if storeys > 0 {
                 end = end.max((2 * cell as u64 + 1) * self.stretch[usize::from(storeys)]);

@@ -12,11 +12,11 @@ use super::*;
 const GROUND: Ground = Ground { size_m: [500.0, 420.0] };
 
 /// The boxes that a skyline makes of a map.
-fn boxes(skyline: &Skyline) -> Oem {
-    let grid = *skyline.grid();
+fn boxes(height_map: &HeightMap) -> Oem {
+    let grid = *height_map.grid();
     let mut oem = Oem::unexplored(grid);
     for (column, row) in (0..grid.columns).flat_map(|c| (0..grid.rows).map(move |r| (c, r))) {
-        let storeys = skyline.storeys([column as i32, row as i32]);
+        let storeys = height_map.storeys([column as i32, row as i32]);
         if storeys > 0 {
             let height_dm = (f64::from(storeys) * STOREY_M * 10.0) as u16;
             let state = OemCell::Occupied { height_dm };
@@ -50,7 +50,7 @@ fn what_is_hidden_is_what_points_say() {
         let oem = random_oem(&mut rng, 45.0);
         let mut caster = RayCaster::new(grid, 300.0);
         assert!(caster.load(&oem) && !caster.load(&oem), "news are told once");
-        let boxes = boxes(&caster.skyline);
+        let boxes = boxes(&caster.height_map);
         let eye = [rng.random_range(-75..200), rng.random_range(-75..180)];
         let [x, y] = [0, 1].map(|i| grid.origin()[i] + (f64::from(eye[i]) + 0.5) * grid.cell_m);
         let z_m = rng.random_range(30.0..70.0);

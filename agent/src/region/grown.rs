@@ -3,7 +3,7 @@
 use csat_proto::region::{GridBox, GridPoint, MAX_COORDINATE_M, Region, Ring, Shape, to_units};
 
 use super::boolean::shallow_groups;
-use super::simplify::{Kind, simplified_rings};
+use super::simplify::{Approximation, simplified_rings};
 use super::sweep::dilated_path;
 use super::{Inner, Outer, RULE, Reach, overlay};
 
@@ -27,7 +27,7 @@ pub struct Grown {
 /// Paths of shapes that may meet once they have grown, and their box.
 #[derive(Debug, Clone)]
 struct Group {
-    reach: GridBox,
+    extent: GridBox,
     paths: Vec<Ring>,
 }
 
@@ -48,8 +48,10 @@ impl Grown {
             if reach.is_short() { tolerance_m } else { tolerance_m.max(last.tolerance_m) };
         let grown = |shape: &Shape| -> Shape {
             let rings: Vec<Ring> = match reach.is_short() {
-                true => simplified_rings(shape, Kind::Outer, tolerance_m),
-                false => simplified_rings(last.swept_rings(shape), Kind::Outer, tolerance_m),
+                true => simplified_rings(shape, Approximation::Outer, tolerance_m),
+                false => {
+                    simplified_rings(last.swept_rings(shape), Approximation::Outer, tolerance_m)
+                }
             };
             rings.iter().map(|ring| dilated_path(ring, &last.disc)).collect()
         };
@@ -74,12 +76,16 @@ impl Grown {
                 .collect();
         let outside = outside(&self.bounds);
         let mut left: Vec<Shape> = Vec::new();
-        for Group { reach, paths } in &self.groups {
+        for Group { extent, paths } in &self.groups {
             let near = |layer: &Vec<(GridBox, &'a Shape)>| -> Vec<&Ring> {
-                layer.iter().filter(|(b, _)| b.meets(reach)).flat_map(|(_, shape)| *shape).collect()
+                layer
+                    .iter()
+                    .filter(|(b, _)| b.meets(extent))
+                    .flat_map(|(_, shape)| *shape)
+                    .collect()
             };
             let mut cuts = layers.iter().map(near).filter(|cut| !cut.is_empty());
-            let beyond = if is_within(reach, &self.bounds) { &[][..] } else { &outside };
+            let beyond = if is_within(extent, &self.bounds) { &[][..] } else { &outside };
             let first = cuts.next().unwrap_or_default().into_iter().chain(beyond);
             let start = overlay(paths, first, RULE::Difference);
             let set = cuts.fold(start, |set, cut| overlay(set.rings(), cut, RULE::Difference));
@@ -93,12 +99,12 @@ impl Grown {
 fn groups(shapes: impl Iterator<Item = Shape>) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for paths in shapes {
-        let Some(reach) = GridBox::around(paths.iter().flatten()) else { continue };
-        let mut merged = Group { reach, paths };
+        let Some(extent) = GridBox::around(paths.iter().flatten()) else { continue };
+        let mut merged = Group { extent, paths };
         // A grown box may meet groups that were passed already.
-        while let Some(index) = groups.iter().position(|group| group.reach.meets(&merged.reach)) {
+        while let Some(index) = groups.iter().position(|group| group.extent.meets(&merged.extent)) {
             let group = groups.swap_remove(index);
-            merged.reach = merged.reach.around_both(&group.reach);
+            merged.extent = merged.extent.around_both(&group.extent);
             merged.paths.extend(group.paths);
         }
         groups.push(merged);
@@ -107,13 +113,13 @@ fn groups(shapes: impl Iterator<Item = Shape>) -> Vec<Group> {
 }
 
 /// Whether a box lies within a rectangle; false if `bounds` is no rectangle.
-fn is_within(reach: &GridBox, bounds: &Region) -> bool {
+fn is_within(extent: &GridBox, bounds: &Region) -> bool {
     bounds.bounds().is_some_and(|b| {
         let is_corner = |p: &GridPoint| {
             (p.x == b.min.x || p.x == b.max.x) && (p.y == b.min.y || p.y == b.max.y)
         };
         let is_rectangle = bounds.vertex_count() == 4 && bounds.rings().flatten().all(is_corner);
-        is_rectangle && b.contains(reach.min) && b.contains(reach.max)
+        is_rectangle && b.contains(extent.min) && b.contains(extent.max)
     })
 }
 

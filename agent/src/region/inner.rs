@@ -3,7 +3,7 @@
 use csat_proto::region::{GridBox, Region, Ring, Shape};
 
 use super::boolean::shallow_groups;
-use super::simplify::{Kind, simplify_region, simplify_shapes};
+use super::simplify::{Approximation, simplify_region, simplify_shapes};
 use super::sweep::eroded_path;
 use super::{Disc, RULE, overlay};
 
@@ -80,11 +80,11 @@ impl Inner {
     /// A subset with fewer vertices: each move shifts the border by at most
     /// `tolerance_m`.
     pub fn simplified(self, tolerance_m: f64) -> Inner {
-        Inner(simplify_region(self.0, Kind::Inner, tolerance_m))
+        Inner(simplify_region(self.0, Approximation::Inner, tolerance_m))
     }
 
     /// A subset with fewer vertices, each shape by its own tolerance, metres.
     pub fn simplified_by(&self, tolerance_m: impl Fn(&Shape) -> f64) -> Inner {
-        Inner(simplify_shapes(&self.0, Kind::Inner, tolerance_m))
+        Inner(simplify_shapes(&self.0, Approximation::Inner, tolerance_m))
     }
 }

@@ -45,7 +45,7 @@ pub use grown::Grown;
 pub use inner::Inner;
 pub use outer::Outer;
 pub use reach::Reach;
-pub use simplify::{Kind, Tolerance, simplify_ring};
+pub use simplify::{Approximation, Tolerance, simplify_ring};
 
 pub(crate) use boolean::{RULE, overlay};
 pub(crate) use vector::turn;

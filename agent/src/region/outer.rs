@@ -3,7 +3,7 @@
 use csat_proto::region::{GridBox, MAX_COORDINATE_M, Region, Ring, Shape, to_units};
 
 use super::boolean::shallow_groups;
-use super::simplify::{Kind, simplify_region, simplify_shapes};
+use super::simplify::{Approximation, simplify_region, simplify_shapes};
 use super::sweep::dilated_path;
 use super::{Disc, Inner, RULE, overlay};
 
@@ -79,12 +79,12 @@ impl Outer {
     /// A superset with fewer vertices: each move shifts the border by at most
     /// `tolerance_m`.
     pub fn simplified(self, tolerance_m: f64) -> Outer {
-        Outer(simplify_region(self.0, Kind::Outer, tolerance_m))
+        Outer(simplify_region(self.0, Approximation::Outer, tolerance_m))
     }
 
     /// A superset with fewer vertices, each shape by its own tolerance, metres.
     pub fn simplified_by(&self, tolerance_m: impl Fn(&Shape) -> f64) -> Outer {
-        Outer(simplify_shapes(&self.0, Kind::Outer, tolerance_m))
+        Outer(simplify_shapes(&self.0, Approximation::Outer, tolerance_m))
     }
 }
 

@@ -20,7 +20,7 @@ use super::{RULE, overlay};
 
 /// Which way a set may change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum Approximation {
     /// It may grow.
     Outer,
     /// It may shrink.
@@ -45,9 +45,13 @@ const LENGTH_PER_HEIGHT: f64 = 100.0;
 const ROUNDING: f64 = 2.0;
 
 /// Simplifies a region; each move shifts the border by at most `tolerance_m`.
-pub(super) fn simplify_region(region: Region, kind: Kind, tolerance_m: f64) -> Region {
+pub(super) fn simplify_region(
+    region: Region,
+    approximation: Approximation,
+    tolerance_m: f64,
+) -> Region {
     let before = region.vertex_count();
-    let rings = simplified_rings(region.rings(), kind, tolerance_m);
+    let rings = simplified_rings(region.rings(), approximation, tolerance_m);
     if rings.iter().map(Vec::len).sum::<usize>() == before {
         return region;
     }
@@ -57,12 +61,13 @@ pub(super) fn simplify_region(region: Region, kind: Kind, tolerance_m: f64) -> R
 /// Simplifies every shape of a region by its own tolerance.
 pub(super) fn simplify_shapes(
     region: &Region,
-    kind: Kind,
+    approximation: Approximation,
     tolerance_m: impl Fn(&Shape) -> f64,
 ) -> Region {
     let shapes = region.shapes().iter();
-    let rings: Vec<Ring> =
-        shapes.flat_map(|shape| simplified_rings(shape, kind, tolerance_m(shape))).collect();
+    let rings: Vec<Ring> = shapes
+        .flat_map(|shape| simplified_rings(shape, approximation, tolerance_m(shape)))
+        .collect();
     overlay(&rings, [], RULE::Subject)
 }
 
@@ -70,25 +75,29 @@ pub(super) fn simplify_shapes(
 /// positive.
 pub(super) fn simplified_rings<'a>(
     rings: impl IntoIterator<Item = &'a Ring>,
-    kind: Kind,
+    approximation: Approximation,
     tolerance_m: f64,
 ) -> Vec<Ring> {
     let height = tolerance_m * UNITS_PER_M;
     let tolerance = Tolerance { height, length: LENGTH_PER_HEIGHT * height, meet: true };
     rings
         .into_iter()
-        .map(|ring| simplify_ring(ring, kind, tolerance))
+        .map(|ring| simplify_ring(ring, approximation, tolerance))
         .filter(|ring| ring.len() >= 3)
         .collect()
 }
 
-/// Simplifies one ring by the safe moves of `kind`, cheapest first, as far as `tolerance` allows;
+/// Simplifies one ring by the safe moves of `approximation`, cheapest first, as far as `tolerance` allows;
 /// collinear vertices always go.
 ///
 /// The ring may cross itself afterwards and is to be filled where its winding number is positive. It
 /// may become empty: an outer ring of an inner set, or a hole of an outer one.
-pub fn simplify_ring(ring: &[GridPoint], kind: Kind, tolerance: Tolerance) -> Ring {
-    let mut chain = Chain::new(ring, kind, tolerance);
+pub fn simplify_ring(
+    ring: &[GridPoint],
+    approximation: Approximation,
+    tolerance: Tolerance,
+) -> Ring {
+    let mut chain = VertexList::new(ring, approximation, tolerance);
     while let Some(Reverse((bits, at, change))) = chain.queue.pop() {
         // Entries go stale when a neighbour changes: the price is asked again before acting on one.
         if chain.alive[at] && chain.price(at, change).map(f64::to_bits) == Some(bits) {
@@ -113,25 +122,25 @@ enum Change {
 }
 
 /// A ring under simplification: a circular linked list with a queue of possible moves.
-struct Chain {
+struct VertexList {
     points: Vec<GridPoint>,
     links: Vec<(usize, usize)>,
     alive: Vec<bool>,
     left: usize,
-    kind: Kind,
+    approximation: Approximation,
     tolerance: Tolerance,
     queue: BinaryHeap<Reverse<(u64, usize, Change)>>,
 }
 
-impl Chain {
-    fn new(ring: &[GridPoint], kind: Kind, tolerance: Tolerance) -> Self {
+impl VertexList {
+    fn new(ring: &[GridPoint], approximation: Approximation, tolerance: Tolerance) -> Self {
         let n = ring.len();
         let mut chain = Self {
             points: ring.to_vec(),
             links: (0..n).map(|i| ((i + n - 1) % n, (i + 1) % n)).collect(),
             alive: vec![true; n],
             left: n,
-            kind,
+            approximation,
             tolerance,
             queue: BinaryHeap::with_capacity(n),
         };
@@ -170,9 +179,9 @@ impl Chain {
     fn price_of_drop(&self, i: usize) -> Option<f64> {
         let (a, v, b) = (self.points[self.before(i)], self.points[i], self.points[self.after(i)]);
         let turn = turn(a, v, b);
-        match (self.kind, turn) {
+        match (self.approximation, turn) {
             (_, 0) => Some(0.0),
-            (Kind::Outer, 1..) | (Kind::Inner, ..0) => None,
+            (Approximation::Outer, 1..) | (Approximation::Inner, ..0) => None,
             _ => {
                 let base = Vector::between(a, b).length();
                 // The height of the triangle over a-b; of a needle, its length.
@@ -192,7 +201,7 @@ impl Chain {
         let (a, d) = (self.points[self.before(i)], self.points[self.after(self.after(i))]);
         let [u, e, w] = [(a, b), (b, c), (c, d)].map(|(p, q)| Vector::between(p, q));
         let (at_b, at_c, between) = (u.cross(e), e.cross(w), u.cross(w));
-        let sign = if self.kind == Kind::Outer { 1 } else { -1 };
+        let sign = if self.approximation == Approximation::Outer { 1 } else { -1 };
         if at_b * sign <= 0 || at_c * sign <= 0 || between * sign <= 0 || u.dot(w) <= 0 {
             return None;
         }

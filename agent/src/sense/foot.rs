@@ -46,7 +46,7 @@ pub(super) fn is_seen(view: &CameraView, frame: &Frame, p: [f64; 2]) -> bool {
 /// A rectangle on the ground that points away from the camera.
 struct Strip {
     /// Below the camera, `world`, metres.
-    foot: [f64; 2],
+    nadir: [f64; 2],
     /// Away from the camera, a unit vector.
     direction: [f64; 2],
     /// Least and greatest coordinate along the direction, metres.
@@ -70,7 +70,7 @@ impl Strip {
         let row_m = (length * length + camera.z * camera.z) / (view.focal_px() * camera.z);
         let empty = [f64::INFINITY, f64::NEG_INFINITY];
         let mut strip = Self {
-            foot: [camera.x, camera.y],
+            nadir: [camera.x, camera.y],
             direction: [dx / length, dy / length],
             along: empty,
             across: empty,
@@ -86,14 +86,14 @@ impl Strip {
 
     /// (along, across) of a point, metres.
     fn coordinates(&self, p: [f64; 2]) -> [f64; 2] {
-        let [dx, dy] = [p[0] - self.foot[0], p[1] - self.foot[1]];
+        let [dx, dy] = [p[0] - self.nadir[0], p[1] - self.nadir[1]];
         let [ux, uy] = self.direction;
         [ux * dx + uy * dy, ux * dy - uy * dx]
     }
 
     /// The point at (along, across), `world`, metres.
     fn point(&self, along: f64, across: f64) -> [f64; 2] {
-        let ([x, y], [ux, uy]) = (self.foot, self.direction);
+        let ([x, y], [ux, uy]) = (self.nadir, self.direction);
         [x + ux * along - uy * across, y + uy * along + ux * across]
     }
 

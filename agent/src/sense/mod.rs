@@ -8,16 +8,16 @@
 //! | [`target`] | Target pixels of a detection | X^{t,m} (4.4), outer |
 //! | [`exclusion`] | X^{t,m} \\ C | X̲^t (4.17), inner |
 //! | [`obstacle`] | Obstacle pixels | S° (4.12), inner, and occupied cells (4.39) |
-//! | `glance` | Obstacle pixels | what they may add at most, in a hurry |
+//! | `pixel_bounds` | Obstacle pixels | bounds on what they may add, in single precision |
 //! | [`hidden`] | all labels | H^CVS (4.23), seen ground, empty cells (4.40) |
 
 pub mod clear;
 pub mod exclusion;
 mod foot;
-mod glance;
 pub mod hidden;
 pub mod obstacle;
 pub mod outline;
+mod pixel_bounds;
 pub mod pyramid;
 pub mod target;
 
@@ -28,7 +28,7 @@ use csat_proto::oem::OemDelta;
 use csat_proto::raster::{Grid, Raster};
 use csat_proto::region::Region;
 
-use crate::config::{AgentConfig, Criterion};
+use crate::config::AgentConfig;
 use crate::region::{Disc, Inner, Outer};
 
 /// The label of the pixel that an image point (c, r), pixels, falls into; `None` outside the image.
@@ -102,8 +102,8 @@ impl Sensor {
         }
     }
 
-    /// What `frame` proves. Obstacle pixels are not used under `str1`, whose estimator ignores them
-    /// (thesis §5.2.1).
+    /// What `frame` proves. Obstacle pixels prove something only if the agent
+    /// [uses them](AgentConfig::uses_obstacle_pixels).
     pub fn measure(&mut self, frame: &Frame) -> Measured {
         let view = self.config.camera.at(&frame.pose);
         let (hidden, seen) = hidden::hidden_and_seen(&view, frame, self.config.raster_grid());
@@ -116,7 +116,7 @@ impl Sensor {
             seen,
             oem: Vec::new(),
         };
-        if self.config.guidance.criterion != Criterion::Str1 {
+        if self.config.uses_obstacle_pixels() {
             let oem_grid = self.config.oem_grid();
             let found = self.margins.measure(&view, frame, &self.ground);
             measured.obstacle_margin = found.margin.limited(self.max_vertices());

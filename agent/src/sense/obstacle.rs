@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 
 use super::exclusion::{centre_of_bounds, disc_intersection};
 use super::foot;
-use super::glance::{Glancer, Glances, TOGETHER, differ};
+use super::pixel_bounds::{LANES, PixelBounder, PixelBounds, differ};
 use super::pyramid::{ground_corners, top_m};
 use crate::config::AgentConfig;
 use crate::region::Inner;
@@ -57,9 +57,9 @@ struct Pixel {
     ray: Vector3<f64>,
 }
 
-/// An Obstacle pixel at a glance: see [`Glances`].
+/// An Obstacle pixel at a glance: see [`PixelBounds`].
 #[derive(Debug, Clone, Copy)]
-struct Hint {
+struct BoundedPixel {
     column: u16,
     row: u16,
     grade: f32,
@@ -110,17 +110,17 @@ impl MarginSensor {
     ) -> ObstacleFindings {
         let mut rings: Vec<Ring> = Vec::new();
         let mut raised: BTreeSet<usize> = BTreeSet::new();
-        let mut walls = Walls::new(view, frame);
-        let glancer = Glancer::new(view, self.radius_m, GRADES, [&self.grid, &self.oem_grid]);
-        for_each_obstacle_pixel(view, frame, &glancer, |hint| {
-            let pixel = || Pixel::at(view, frame, hint.column, hint.row);
-            if self.may_improve(hint) {
+        let mut walls = WallPixels::new(view, frame);
+        let bounder = PixelBounder::new(view, self.radius_m, GRADES, [&self.grid, &self.oem_grid]);
+        for_each_obstacle_pixel(view, frame, &bounder, |bounded| {
+            let pixel = || Pixel::at(view, frame, bounded.column, bounded.row);
+            if self.may_improve(bounded) {
                 rings.extend(self.margin_of(view, &pixel()));
             }
-            if self.may_raise(hint) {
+            if self.may_raise(bounded) {
                 raised.extend(self.raise_cell(view, &pixel()));
             }
-            walls.visit(hint);
+            walls.visit(bounded);
         });
         rings.extend(walls.found().filter_map(|pixel| self.margin_at_foot(view, frame, &pixel)));
         let margin =
@@ -133,15 +133,15 @@ impl MarginSensor {
     }
 
     /// Whether [`Self::margin_of`] a pixel may find something.
-    fn may_improve(&self, hint: &Hint) -> bool {
-        let best = || usize::try_from(hint.middle).map_or(0, |cell| self.best_grade[cell]);
-        hint.grade >= LEAST_GRADE as f32 && hint.grade >= f32::from(best()) + 1.0
+    fn may_improve(&self, bounded: &BoundedPixel) -> bool {
+        let best = || usize::try_from(bounded.middle).map_or(0, |cell| self.best_grade[cell]);
+        bounded.grade >= LEAST_GRADE as f32 && bounded.grade >= f32::from(best()) + 1.0
     }
 
     /// Whether [`Self::raise_cell`] may raise one for a pixel.
-    fn may_raise(&self, hint: &Hint) -> bool {
+    fn may_raise(&self, bounded: &BoundedPixel) -> bool {
         let height_dm = |cell: usize| f32::from(self.height_dm[cell]);
-        usize::try_from(hint.far_end).map_or(true, |cell| hint.top_dm > height_dm(cell))
+        usize::try_from(bounded.far_end).map_or(true, |cell| bounded.top_dm > height_dm(cell))
     }
 
     /// S°(pixel) (4.7): within r_s^to of every point that may have lit the pixel. `None` when it is
@@ -211,33 +211,33 @@ impl MarginSensor {
 
 /// The pixels that say best where walls are: of each unbroken run of Obstacle pixels in a column of
 /// the image, the one whose far end is nearest.
-struct Walls<'a> {
+struct WallPixels<'a> {
     view: &'a CameraView,
     frame: &'a Frame,
     /// The run at hand in each column.
-    runs: Vec<Option<Run>>,
+    runs: Vec<Option<PixelRun>>,
     /// Those that ended, with their columns.
-    ended: Vec<(u16, Run)>,
+    ended: Vec<(u16, PixelRun)>,
 }
 
 /// An unbroken run of Obstacle pixels in a column.
 #[derive(Debug, Clone, Copy)]
-struct Run {
+struct PixelRun {
     last_row: u16,
     nearest_row: u16,
     /// Of the nearest, at a glance.
     reach_squared: f32,
 }
 
-impl<'a> Walls<'a> {
+impl<'a> WallPixels<'a> {
     fn new(view: &'a CameraView, frame: &'a Frame) -> Self {
         let runs = vec![None; usize::from(view.model().columns)];
         Self { view, frame, runs, ended: Vec::new() }
     }
 
     /// Takes the next pixel, in the order of rows.
-    fn visit(&mut self, hint: &Hint) {
-        let &Hint { column, row, reach_squared, .. } = hint;
+    fn visit(&mut self, bounded: &BoundedPixel) {
+        let &BoundedPixel { column, row, reach_squared, .. } = bounded;
         match &mut self.runs[usize::from(column)] {
             Some(run) if run.last_row + 1 == row => {
                 run.last_row = row;
@@ -252,7 +252,7 @@ impl<'a> Walls<'a> {
                 }
             }
             run => {
-                let next = Run { last_row: row, nearest_row: row, reach_squared };
+                let next = PixelRun { last_row: row, nearest_row: row, reach_squared };
                 self.ended.extend(run.replace(next).map(|run| (column, run)));
             }
         }
@@ -277,28 +277,28 @@ fn span(points: &[[f64; 2]]) -> Option<([f64; 2], f64)> {
 fn for_each_obstacle_pixel(
     view: &CameraView,
     frame: &Frame,
-    glancer: &Glancer,
-    mut visit: impl FnMut(&Hint),
+    bounder: &PixelBounder,
+    mut visit: impl FnMut(&BoundedPixel),
 ) {
     let model = view.model();
     let columns = usize::from(model.columns);
     let step: Vector3<f64> = view.ray_matrix().column(0).into();
     let rows = frame.labels.chunks_exact(columns).zip(frame.depth.chunks_exact(columns));
     for (row, (labels, depth)) in (0..model.rows).zip(rows) {
-        let parts = labels.chunks(TOGETHER).zip(depth.chunks(TOGETHER));
-        for ((labels, depth), start) in parts.zip((0..model.columns).step_by(TOGETHER)) {
+        let parts = labels.chunks(LANES).zip(depth.chunks(LANES));
+        for ((labels, depth), start) in parts.zip((0..model.columns).step_by(LANES)) {
             // All of them: quicker than to stop at the first.
             if !labels.iter().fold(false, |any, label| any | (*label == Label::Obstacle)) {
                 continue;
             }
             let first = view.ray_world(f64::from(start) + 0.5, f64::from(row) + 0.5);
-            let mut depths = [0; TOGETHER];
+            let mut depths = [0; LANES];
             depths[..depth.len()].copy_from_slice(depth);
-            let Glances { grade, middle, far_end, top_dm, reach_squared } =
-                glancer.glance(&first, &step, &depths);
+            let PixelBounds { grade, middle, far_end, top_dm, reach_squared } =
+                bounder.bounds(&first, &step, &depths);
             for (lane, label) in labels.iter().enumerate() {
                 if *label == Label::Obstacle {
-                    visit(&Hint {
+                    visit(&BoundedPixel {
                         column: start + lane as u16,
                         row,
                         grade: grade[lane],

@@ -3,7 +3,7 @@
 use csat_proto::frame::Label;
 use csat_proto::region::{GridPoint, Ring};
 
-use crate::region::{Kind, Tolerance, simplify_ring};
+use crate::region::{Approximation, Tolerance, simplify_ring};
 
 /// The directions of a walk along pixel borders: +column, +row, -column, -row.
 const STEPS: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
@@ -111,7 +111,7 @@ pub fn simplified_inward(outline: &[Ring], tolerance_px: f64) -> Vec<Ring> {
     let tolerance = Tolerance { height, length: f64::INFINITY, meet: false };
     outline
         .iter()
-        .map(|ring| simplify_ring(ring, Kind::Inner, tolerance))
+        .map(|ring| simplify_ring(ring, Approximation::Inner, tolerance))
         .filter(|ring| ring.len() >= 3)
         .collect()
 }

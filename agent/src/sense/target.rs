@@ -29,22 +29,22 @@ pub fn location(
     cylinder: &Disc,
     ground: &Region,
 ) -> Outer {
-    let seen = Seen::new(view, frame, pixels);
-    let runs = seen.runs();
-    let windows = if runs.len() <= MAX_HULLS { runs } else { seen.tiles() };
-    let hulls: Vec<Ring> = windows.iter().filter_map(|window| seen.hull(window)).collect();
+    let pixels = TargetPixels::new(view, frame, pixels);
+    let runs = pixels.runs();
+    let windows = if runs.len() <= MAX_HULLS { runs } else { pixels.tiles() };
+    let hulls: Vec<Ring> = windows.iter().filter_map(|window| pixels.hull(window)).collect();
     Outer::around(&hulls, cylinder, ground)
 }
 
 /// The Target pixels in a detection's box.
-struct Seen<'a> {
+struct TargetPixels<'a> {
     view: &'a CameraView,
     frame: &'a Frame,
     /// The part of the box that is in the image; empty where a first index is greater than the last.
     pixels: PixelBox,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> TargetPixels<'a> {
     fn new(view: &'a CameraView, frame: &'a Frame, pixels: PixelBox) -> Self {
         let model = view.model();
         let clipped =

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use csat_agent::agent::SetMembershipAgent;
 use csat_agent::config::AgentConfig;
 use csat_agent::estimate::Estimator;
-use csat_agent::estimate::evidence::Heard;
+use csat_agent::estimate::evidence::ReceivedFact;
 use csat_agent::estimate::state::Knowledge;
 use csat_agent::identity::Identity;
 use csat_agent::sense::{Measured, Sensor};
@@ -61,9 +61,9 @@ pub struct Moment {
     pub corrected: Knowledge,
     /// The neighbours' messages of this step, as they travel.
     pub heard: Vec<Vec<u8>>,
-    pub facts: Vec<Heard>,
+    pub facts: Vec<ReceivedFact>,
     /// What the neighbours would say in a snapshot at this step.
-    pub snapshots: Vec<Heard>,
+    pub snapshots: Vec<ReceivedFact>,
     /// After the frame and `facts`.
     pub fused: Knowledge,
     /// The neighbours' plans.
@@ -162,7 +162,7 @@ fn record(
 }
 
 /// The facts, and the plans of the first pass.
-fn read(letters: &[Vec<u8>]) -> (Vec<Heard>, Vec<Vec<Pose>>) {
+fn read(letters: &[Vec<u8>]) -> (Vec<ReceivedFact>, Vec<Vec<Pose>>) {
     let (mut facts, mut plans) = (Vec::new(), Vec::new());
     for bytes in letters {
         let Envelope { src, incarnation, body, .. } =
@@ -171,7 +171,14 @@ fn read(letters: &[Vec<u8>]) -> (Vec<Heard>, Vec<Vec<Pose>>) {
             Message::Fact(fact) => {
                 let (fact, identity) = (Arc::new(fact), Identity::of(bytes));
                 let is_answer = false;
-                facts.push(Heard { src, incarnation, fact, known: None, is_answer, identity });
+                facts.push(ReceivedFact {
+                    src,
+                    incarnation,
+                    fact,
+                    known: None,
+                    is_answer,
+                    identity,
+                });
             }
             Message::Plan(plan) if plan.pass == 0 => plans.push(plan.poses),
             Message::Plan(_) | Message::Snapshot(_) => {}
@@ -190,9 +197,9 @@ fn known(knowledge: &Knowledge) -> Known {
 }
 
 /// The same fact as a snapshot, with the whole map.
-fn snapshot(heard: &Heard, known: Known, before: &Knowledge) -> Heard {
+fn snapshot(heard: &ReceivedFact, known: Known, before: &Knowledge) -> ReceivedFact {
     let fact = Fact { oem: OemPatch::of(before.oem.known()), ..Fact::clone(&heard.fact) };
-    Heard { fact: Arc::new(fact), known: Some(Arc::new(known)), ..heard.clone() }
+    ReceivedFact { fact: Arc::new(fact), known: Some(Arc::new(known)), ..heard.clone() }
 }
 
 /// Lets the agents talk until nothing is left to say; returns all that agent 0 heard.

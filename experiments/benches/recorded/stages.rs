@@ -6,17 +6,16 @@
 
 use std::hint::black_box;
 
-use csat_agent::commons::Commons;
 use csat_agent::config::{AgentConfig, Criterion, ExchangeMode};
-use csat_agent::estimate::evidence::Heard;
-use csat_agent::estimate::settled::Coarse;
+use csat_agent::estimate::evidence::ReceivedFact;
 use csat_agent::estimate::state::Knowledge;
 use csat_agent::estimate::{Changes, Estimator};
-use csat_agent::exchange::held::Held;
-use csat_agent::exchange::inbox::Inbox;
-use csat_agent::exchange::outbox::{Account, Outbox};
+use csat_agent::exchange::receiver::{CheckedMessage, Receiver};
 use csat_agent::exchange::repair::Repair;
-use csat_agent::guidance::{Decision, Looks, Picture, Planner};
+use csat_agent::exchange::transmitter::{StepContent, Transmitter};
+use csat_agent::exchange::version_vector::VersionVector;
+use csat_agent::guidance::{Decision, Planner, PlannerInput, PlannerRasters, ViewCache};
+use csat_agent::identity::Identity;
 use csat_agent::sense::{Measured, Sensor};
 use csat_proto::frame::Frame;
 use csat_proto::message::Digest;
@@ -33,37 +32,37 @@ pub fn planner(config: &AgentConfig, criterion: Criterion) -> Planner {
     Planner::new(&config)
 }
 
-/// An outbox that says only facts, as most steps do: a new one would begin with a snapshot.
-pub fn outbox(config: &AgentConfig) -> (Outbox, Repair) {
+/// A transmitter that sends only facts, as most steps do: a new one would begin with a snapshot.
+pub fn transmitter(config: &AgentConfig) -> (Transmitter, Repair) {
     let mut config = config.clone();
     config.exchange.mode = ExchangeMode::Facts;
-    (Outbox::new(&config), Repair::new(&config))
+    (Transmitter::new(&config), Repair::new(&config))
 }
 
-/// An inbox that has heard nobody.
-pub fn inbox(config: &AgentConfig) -> (Inbox, Held) {
-    (Inbox::new(config, Commons::default()), Held::new(config))
+/// A receiver without any message.
+pub fn receiver(config: &AgentConfig) -> (Receiver, VersionVector) {
+    (Receiver::new(config), VersionVector::new(config))
 }
 
 /// Passes of guidance as the agent does them: picture, then search.
 fn decide(planner: &mut Planner, moment: &Moment, passes: usize) -> Option<Decision> {
     let knowledge = &moment.fused;
     let unexplored = Raster::of_region(moment.config.raster_grid(), knowledge.unexplored.region());
-    let coarse = Coarse::of(knowledge, unexplored);
+    let rasters = PlannerRasters::of(knowledge, unexplored);
     let neighbours_hidden_now: Vec<Option<&Raster>> =
         moment.neighbours_hidden.iter().map(Some).collect();
-    let looks = Looks::default();
-    let picture = Picture {
-        wanted: &coarse.wanted,
-        margin: &coarse.margin,
+    let view_cache = ViewCache::default();
+    let input = PlannerInput {
+        wanted: &rasters.wanted,
+        margin: &rasters.margin,
         hidden_now: &moment.measured.hidden,
         neighbours_hidden_now: &neighbours_hidden_now,
-        hidden_recent: &coarse.hidden_recently,
+        hidden_recent: &rasters.hidden_recently,
         oem: &knowledge.oem,
-        looks: Some(&looks),
+        view_cache: Some(&view_cache),
         ways: None,
     };
-    let pass = |_| planner.plan(&picture, &moment.frame.pose, &moment.plans);
+    let pass = |_| planner.plan(&input, &moment.frame.pose, &moment.plans);
     (0..passes).map(pass).last()
 }
 
@@ -96,8 +95,8 @@ pub fn stage_estimate(
 
 /// The digest of what is held, and the step's fact with it, serialised.
 #[inline(never)]
-pub fn stage_say((outbox, repair): &mut (Outbox, Repair), moment: &Moment) {
-    let account = Account {
+pub fn stage_say((transmitter, repair): &mut (Transmitter, Repair), moment: &Moment) {
+    let content = StepContent {
         now: moment.now,
         step: moment.frame.step,
         pose: moment.frame.pose,
@@ -110,14 +109,17 @@ pub fn stage_say((outbox, repair): &mut (Outbox, Repair), moment: &Moment) {
         },
         uavs: vec![[0.0; 2]; 4],
     };
-    assert!(outbox.say_step(&account, repair).is_some());
+    assert!(transmitter.say_step(&content, repair).is_some());
 }
 
 /// Decodes and validates everything that the neighbours said in this step.
 #[inline(never)]
-pub fn stage_hear((inbox, held): &mut (Inbox, Held), moment: &Moment) {
+pub fn stage_hear((receiver, held): &mut (Receiver, VersionVector), moment: &Moment) {
     for bytes in &moment.heard {
-        black_box(inbox.receive(moment.before.step, bytes, held).expect("an agent's own message"));
+        let identity = Identity::of(bytes);
+        let message = CheckedMessage::decode(&moment.config, moment.before.step, identity, bytes)
+            .expect("an agent's own message");
+        black_box(receiver.receive(&message, held).expect("an agent's own message"));
     }
 }
 
@@ -126,7 +128,7 @@ pub fn stage_hear((inbox, held): &mut (Inbox, Held), moment: &Moment) {
 pub fn stage_update(
     estimator: &Estimator,
     knowledge: &mut Knowledge,
-    (moment, facts): (&Moment, Vec<Heard>),
+    (moment, facts): (&Moment, Vec<ReceivedFact>),
 ) -> Changes {
     black_box("update");
     estimator.update(knowledge, own(moment), facts)
@@ -137,7 +139,7 @@ pub fn stage_update(
 pub fn stage_update_snapshots(
     estimator: &Estimator,
     knowledge: &mut Knowledge,
-    (moment, snapshots): (&Moment, Vec<Heard>),
+    (moment, snapshots): (&Moment, Vec<ReceivedFact>),
 ) -> Changes {
     black_box("update-snapshots");
     estimator.update(knowledge, own(moment), snapshots)
@@ -145,7 +147,11 @@ pub fn stage_update_snapshots(
 
 /// The neighbours' facts apart from a frame.
 #[inline(never)]
-pub fn stage_fuse(estimator: &Estimator, knowledge: &mut Knowledge, facts: Vec<Heard>) -> Changes {
+pub fn stage_fuse(
+    estimator: &Estimator,
+    knowledge: &mut Knowledge,
+    facts: Vec<ReceivedFact>,
+) -> Changes {
     black_box("fuse");
     estimator.update(knowledge, None, facts)
 }
@@ -155,7 +161,7 @@ pub fn stage_fuse(estimator: &Estimator, knowledge: &mut Knowledge, facts: Vec<H
 pub fn stage_fuse_snapshots(
     estimator: &Estimator,
     knowledge: &mut Knowledge,
-    snapshots: Vec<Heard>,
+    snapshots: Vec<ReceivedFact>,
 ) -> Changes {
     black_box("fuse-snapshots");
     estimator.update(knowledge, None, snapshots)

@@ -40,7 +40,7 @@ pub fn guidance(recorded: &Recorded) -> String {
     assert!(taken.cost_m2 <= least, "the agent chose {} m², {least} is less", taken.cost_m2);
     let footprint = Style::line(colour, 1.4).dashed("6 4");
     let overview = |panel: &Panel| {
-        let wanted = picture::cells(&agent.knowledge().coarse().wanted);
+        let wanted = picture::cells(&agent.knowledge().planner_rasters().wanted);
         let all = group("decision")
             .add(town::ground(panel, &recorded.view))
             .add(Style::fill(known::UNEXPLORED, 0.85).on(panel.cells(&wanted)))
@@ -121,10 +121,10 @@ fn heading_rad(agent: &SetMembershipAgent) -> f64 {
 fn candidates(recorded: &Recorded, decider: usize) -> Vec<Candidate> {
     let agent = &recorded.agents[decider];
     let (config, knowledge) = (agent.config(), agent.knowledge());
-    let coarse = knowledge.coarse();
+    let rasters = knowledge.planner_rasters();
     let (mut planner, motion) = (Planner::new(config), Motion::new(config));
     let others = recorded.agents.iter().enumerate().filter(|(index, _)| *index != decider);
-    let mut seen_by_others = vec![Raster::empty(*coarse.wanted.grid()); 2];
+    let mut seen_by_others = vec![Raster::empty(*rasters.wanted.grid()); 2];
     for (_, other) in others {
         for (pose, seen) in other.planned().iter().zip(&mut seen_by_others) {
             seen.union_with(&seen_from(&mut planner, agent, pose));
@@ -134,12 +134,12 @@ fn candidates(recorded: &Recorded, decider: usize) -> Vec<Candidate> {
     let growth_m = config.targets.v_max_m_s * config.guidance.period_s;
     let pass_block = |left: &Raster, block: usize| {
         let mut base = left.dilated_disc(growth_m);
-        base.subtract(&coarse.margin);
+        base.subtract(&rasters.margin);
         base.subtract(&seen_by_others[block]);
         base
     };
     let start = Pose { yaw_rad: heading_rad(agent), ..*agent.pose() };
-    let first_base = pass_block(&coarse.wanted, 0);
+    let first_base = pass_block(&rasters.wanted, 0);
     let mut all = Vec::new();
     for u in &config.guidance.increments_deg {
         let first = motion.advance(&start, u.to_radians());
@@ -152,11 +152,11 @@ fn candidates(recorded: &Recorded, decider: usize) -> Vec<Candidate> {
             let mut seen = seen_from(&mut planner, agent, &second);
             let mut left = second_base.clone();
             left.subtract(&seen);
-            let hidden = left.count_common(&coarse.hidden_recently);
+            let hidden = left.count_common(&rasters.hidden_recently);
             let cell_m2 = left.grid().cell_m.powi(2);
             let cost_m2 = left.area_m2() + config.guidance.kappa * f64::from(hidden) * cell_m2;
             seen.union_with(&first_seen);
-            seen.intersect_with(&coarse.wanted);
+            seen.intersect_with(&rasters.wanted);
             all.push(Candidate { poses: [first, second], seen, cost_m2 });
         }
     }

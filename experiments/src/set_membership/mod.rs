@@ -7,10 +7,11 @@ pub mod measures;
 pub mod report;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use csat_agent::agent::{Event, SetMembershipAgent};
-use csat_agent::commons::Commons;
 use csat_agent::config::AgentConfig;
+use csat_agent::shared_cache::SharedCache;
 use csat_proto::camera::CameraModel;
 use csat_proto::ids::{AgentId, Incarnation, RunId};
 
@@ -28,19 +29,19 @@ use report::Report;
 #[derive(Debug, Clone)]
 pub struct SetMembership {
     config: AgentConfig,
-    /// `None` if every agent is to work everything out by itself.
-    commons: Option<Commons>,
+    /// What the agents share; `None` if every agent computes everything itself.
+    cache: Option<Arc<SharedCache>>,
 }
 
 impl SetMembership {
     /// The mission that `scenario` describes.
     pub fn new(scenario: &Scenario) -> Self {
-        Self { config: agent_config(scenario), commons: Some(Commons::default()) }
+        Self { config: agent_config(scenario), cache: Some(Arc::default()) }
     }
 
     /// The same with agents that share no work: the results are the same, too.
     pub fn each_by_itself(self) -> Self {
-        Self { commons: None, ..self }
+        Self { cache: None, ..self }
     }
 }
 
@@ -95,7 +96,7 @@ impl Mission for SetMembership {
 
     fn agent(&self, id: AgentId, incarnation: Incarnation) -> SetMembershipAgent {
         let config = AgentConfig { id, incarnation, ..self.config.clone() };
-        SetMembershipAgent::sharing(&config, self.commons.clone().unwrap_or_default())
+        SetMembershipAgent::with_cache(&config, self.cache.clone().unwrap_or_default())
     }
 
     fn camera(&self, id: AgentId) -> Option<CameraModel> {

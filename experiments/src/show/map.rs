@@ -2,7 +2,7 @@
 //!
 //! A town that was imported is where it is; a generated one is about (0, 0), in the Gulf of Guinea.
 
-use csat_world::map::project::TangentPlane;
+use csat_world::map::TangentPlane;
 use csat_world::world::World;
 use foxglove::messages::{GeoJson, LocationFix};
 use geojson::{Feature, GeometryValue};

@@ -8,10 +8,10 @@ use super::{DelayConfig, LossConfig};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ChannelConfig {
-    /// Messages farther than this are lost, metres; `inf` for no limit.
+    /// Messages over more than this distance are lost, metres; `inf` for no limit.
     pub range_m: f64,
-    /// Messages above this size travel as fragments of it, and one lost fragment loses the message;
-    /// bytes, 0 for no limit.
+    /// Messages above this size travel as fragments of this size, and one lost fragment loses the
+    /// message; bytes, 0 for no limit.
     pub mtu_bytes: u32,
     /// Probability that a message arrives damaged.
     pub corruption: f64,
@@ -46,14 +46,14 @@ impl Default for ChannelConfig {
     }
 }
 
-/// A token bucket per sender and channel. What does not fit the bucket waits in a queue; what does
-/// not fit the queue is lost.
+/// A token bucket per sender and channel. Messages for which there are no tokens wait in a queue; messages
+/// that do not fit the queue are lost.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RateConfig {
     /// Tokens per second, bytes/s; `inf` for no limit.
     pub bytes_s: f64,
-    /// Size of the bucket: what may leave at once after a pause, bytes.
+    /// Size of the bucket, which is what can leave at once after a pause, bytes.
     pub burst_bytes: u64,
     /// Size of the queue, bytes.
     pub queue_bytes: u64,

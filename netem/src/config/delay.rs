@@ -5,18 +5,17 @@ use serde::{Deserialize, Serialize};
 /// `delay` of a channel.
 ///
 /// `correlation` ρ is that of normal scores: z_n = ρ z_{n-1} + √(1-ρ²) ε_n over the messages of a
-/// link, u = Φ(z) and the delay is the u-quantile. So the distribution of the delays is exactly the
-/// one named whatever ρ is, and ρ is the lag-1 correlation of z (that of the delays themselves is a
-/// little less).
+/// link, u = Φ(z), and the delay is the u-quantile. So the delays have exactly the named distribution for
+/// every ρ, and ρ is the lag-1 correlation of z (the correlation of the delays is a little less).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "model", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum DelayConfig {
-    /// Always the same time.
+    /// The same delay for every message.
     Constant {
-        /// That time, seconds.
+        /// The delay, seconds.
         mean_s: f64,
     },
-    /// Anything in [mean - spread, mean + spread]: F(x) = (x - mean + spread) / (2 spread).
+    /// The uniform distribution on [mean - spread, mean + spread]: F(x) = (x - mean + spread) / (2 spread).
     Uniform {
         /// The middle, seconds.
         mean_s: f64,
@@ -49,9 +48,9 @@ pub enum DelayConfig {
         #[serde(default)]
         correlation: f64,
     },
-    /// As measured: the quantiles at 0, 1/(n-1), ..., 1, with straight lines between them.
+    /// A measured distribution: the quantiles at 0, 1/(n-1), ..., 1, interpolated linearly.
     Table {
-        /// Those quantiles, seconds, none below the one before.
+        /// The quantiles, seconds, none below the one before.
         quantiles_s: Vec<f64>,
         /// ρ in [0, 1).
         #[serde(default)]

@@ -1,4 +1,4 @@
-//! Values that have the right type and cannot be.
+//! Checks of values that have the right type and are impossible.
 
 use std::collections::BTreeMap;
 
@@ -14,30 +14,30 @@ const MAX_CHANNELS: usize = 256;
 pub(super) struct Judge(Vec<(String, String)>);
 
 impl Judge {
-    /// Demands that `holds`.
+    /// Reports `what` under `key` unless it `holds`.
     pub(super) fn demand(&mut self, holds: bool, key: impl Into<String>, what: String) {
         if !holds {
             self.0.push((key.into(), what));
         }
     }
 
-    /// Demands a probability.
+    /// Requires a probability.
     pub(super) fn probability(&mut self, key: String, name: &str, p: f64) {
         let what = format!("expected a probability {name} between 0 and 1, got {p}");
         self.demand((0.0..=1.0).contains(&p), key, what);
     }
 
-    /// Demands a finite number of at least 0.
+    /// Requires a finite number of at least 0.
     pub(super) fn amount(&mut self, key: String, name: &str, unit: &str, value: f64) {
         let what = format!("expected a finite {name} of at least 0 {unit}, got {value}");
         self.demand(value.is_finite() && value >= 0.0, key, what);
     }
 
-    /// Demands a time span that is not empty.
+    /// Requires a time span that is not empty.
     fn span(&mut self, key: &str, from_s: f64, until_s: f64) {
         self.amount(format!("{key}.from_s"), "time", "s", from_s);
         let what = format!("expected a time after from_s = {from_s} s (or inf), got {until_s}");
-        // One mistake is not to be reported twice.
+        // A start that is not finite is reported already.
         self.demand(until_s > from_s || !from_s.is_finite(), format!("{key}.until_s"), what);
     }
 
@@ -49,7 +49,7 @@ impl Judge {
 }
 
 impl NetemConfig {
-    /// Every impossible value for so many `agents`, as (key under `netem`, what is wrong).
+    /// Every impossible value in a scenario of `agents` agents, as (key under `netem`, what is wrong).
     /// Elements of arrays have keys such as `outage[1].agent`.
     pub fn mistakes(&self, agents: u16) -> Vec<(String, String)> {
         let mut judge = Judge::default();
@@ -94,7 +94,7 @@ impl NetemConfig {
     }
 }
 
-/// A process that is dead cannot die.
+/// Reports crashes of an agent that overlap: a process that is down cannot crash.
 fn crashes(judge: &mut Judge, outages: &[OutageConfig]) {
     let is_crash = |outage: &OutageConfig| outage.kind == OutageKind::Crash;
     for (i, later) in outages.iter().enumerate().filter(|(_, o)| is_crash(o)) {

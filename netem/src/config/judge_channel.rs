@@ -1,11 +1,11 @@
-//! Values of a channel that cannot be.
+//! Checks of the values of a channel.
 
 use super::judge::Judge;
 use super::{ChannelConfig, DelayConfig, LossConfig, PropagationConfig};
 use crate::trace::Trace;
 
-/// The longest delay that anything may be configured to have, seconds: what is in flight must fit a
-/// clock of microseconds.
+/// The longest delay that a configuration may ask for, seconds: arrivals must fit a clock of
+/// microseconds.
 const MAX_DELAY_S: f64 = 1e6;
 
 /// Judges `[netem.NAME]`.
@@ -44,7 +44,7 @@ fn loss_mistakes(judge: &mut Judge, key: &str, loss: &LossConfig) {
             let rows = [("p13", "p14", p13 + p14), ("p31", "p32", p31 + p32)];
             for (first, second, sum) in rows {
                 let what = format!("expected {first} + {second} of at most 1, got {sum}");
-                // Probabilities that are none are reported above.
+                // Values that are no probabilities are reported above.
                 judge.demand(sum <= 1.0 || sum.is_nan(), format!("{key}.{first}"), what);
             }
             let what = "expected p31 above 0: with p13 above 0 no burst would ever end, got 0";

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "model", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum LossConfig {
-    /// Each with the same probability, independently.
+    /// Each message with the same probability, independently.
     Iid {
-        /// That probability.
+        /// The probability.
         p: f64,
     },
     /// Two states, good and bad. Loss rate μ = [r(1-k) + p(1-h)] / (p + r).
@@ -42,13 +42,13 @@ pub enum LossConfig {
         #[serde(default)]
         p14: f64,
     },
-    /// As recorded, again and again; each link begins at a place of its own.
+    /// A recording, repeated without end; each link starts at an offset of its own.
     Trace {
-        /// A text file in the form of `lost`; whoever loads a scenario reads it.
+        /// A text file in the form of `lost`; the loader of the scenario reads it.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         file: Option<String>,
-        /// `1` for a message that is lost and `0` for one that is not; white space and what follows
-        /// a `#` mean nothing.
+        /// `1` for a message that is lost and `0` for one that is not; white space and comments after `#`
+        /// are skipped.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         lost: Option<String>,
     },

@@ -1,4 +1,4 @@
-//! `[netem]`: what the links do.
+//! `[netem]`: the configuration of the links.
 //!
 //! ```toml
 //! [netem.radio]                      # channel 0, always there
@@ -34,7 +34,7 @@ pub use delay::DelayConfig;
 pub use loss::LossConfig;
 pub use schedule::{JammerConfig, OutageConfig, OutageKind, PartitionConfig};
 
-/// What all links do. The default is a perfect radio.
+/// The configuration of all links. The default is a perfect radio.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct NetemConfig {
     /// `[netem.radio]`: the radio that every agent has, channel 0.
@@ -47,17 +47,17 @@ pub struct NetemConfig {
     pub partition: Vec<PartitionConfig>,
     /// `[[netem.jammer]]`: where and when receivers hear nothing.
     pub jammer: Vec<JammerConfig>,
-    /// What goes into the run's events.
+    /// Which messages go into the run's events.
     pub trace: TraceLevel,
 }
 
-/// Which messages a run writes down one by one.
+/// Which messages a run records one by one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TraceLevel {
     /// None; counts only.
     None,
-    /// Those that were lost.
+    /// The lost ones.
     #[default]
     Losses,
     /// All.
@@ -74,7 +74,7 @@ impl NetemConfig {
         u8::try_from(index).ok().map(ChannelId)
     }
 
-    /// What a channel does.
+    /// The configuration of a channel.
     pub fn channel(&self, id: ChannelId) -> Option<&ChannelConfig> {
         self.all_channels().nth(usize::from(id.0)).map(|(_, channel)| channel)
     }
@@ -90,18 +90,18 @@ impl NetemConfig {
         std::iter::once((RADIO, &self.radio)).chain(others)
     }
 
-    /// The same, to be changed.
+    /// Names and channels, by id; the channels can be changed.
     pub fn all_channels_mut(&mut self) -> impl Iterator<Item = (&str, &mut ChannelConfig)> {
         let others = self.channels.iter_mut().map(|(name, channel)| (name.as_str(), channel));
         std::iter::once((RADIO, &mut self.radio)).chain(others)
     }
 
-    /// Whether any channel asks what stands between antennas.
+    /// Whether any channel needs to know what stands between antennas.
     pub fn has_propagation(&self) -> bool {
         self.all_channels().any(|(_, channel)| channel.propagation.is_some())
     }
 
-    /// The outages in which the agent's process dies and comes back with a higher incarnation.
+    /// The outages in which the agent's process ends and restarts with a higher incarnation.
     pub fn crashes(&self) -> impl Iterator<Item = &OutageConfig> {
         self.outage.iter().filter(|outage| outage.kind == OutageKind::Crash)
     }

@@ -1,6 +1,6 @@
 //! Reading and writing `[netem]`, whose keys are channels except for a few.
 //!
-//! By hand, because `serde(flatten)` loses the places of values in a file.
+//! Written by hand, because `serde(flatten)` loses the positions of values in a file.
 
 use std::fmt;
 
@@ -14,7 +14,7 @@ use super::{ChannelConfig, NetemConfig, RADIO};
 /// Keys that are not further channels.
 const KEYS: [&str; 5] = [RADIO, "outage", "partition", "jammer", "trace"];
 
-/// Whether a channel may be called so.
+/// Whether this is a valid name of a channel.
 pub(super) fn is_channel_name(name: &str) -> bool {
     let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
     !name.is_empty() && name.chars().all(allowed) && !KEYS.contains(&name)
@@ -61,7 +61,7 @@ impl<'de> Visitor<'de> for Whole {
                 "jammer" => config.jammer = map.next_value()?,
                 "trace" => config.trace = map.next_value()?,
                 name if is_channel_name(name) => {
-                    let channel = map.next_value_seed(Channel(name))?;
+                    let channel = map.next_value_seed(ChannelEntry(name))?;
                     config.channels.insert(key, channel);
                 }
                 _ => return Err(Error::unknown_field(&key, &KEYS)),
@@ -71,10 +71,10 @@ impl<'de> Visitor<'de> for Whole {
     }
 }
 
-/// A further channel; what is no table is a misspelt key.
-struct Channel<'a>(&'a str);
+/// A further channel; a value that is no table is a misspelt key.
+struct ChannelEntry<'a>(&'a str);
 
-impl<'de> DeserializeSeed<'de> for Channel<'_> {
+impl<'de> DeserializeSeed<'de> for ChannelEntry<'_> {
     type Value = ChannelConfig;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<ChannelConfig, D::Error> {
@@ -82,13 +82,13 @@ impl<'de> DeserializeSeed<'de> for Channel<'_> {
     }
 }
 
-impl Channel<'_> {
+impl ChannelEntry<'_> {
     fn unknown<T, E: Error>(self) -> Result<T, E> {
         Err(E::unknown_field(self.0, &KEYS))
     }
 }
 
-impl<'de> Visitor<'de> for Channel<'_> {
+impl<'de> Visitor<'de> for ChannelEntry<'_> {
     type Value = ChannelConfig;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

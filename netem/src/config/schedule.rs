@@ -1,5 +1,5 @@
-//! What happens to links at set times: outages, partitions, jammers. Times are seconds since the
-//! start, from the first instant to before the last.
+//! Scheduled outages, partitions and jammers. Times are seconds since the start; the first instant belongs
+//! to a span, its end does not.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,14 +19,14 @@ pub struct OutageConfig {
     pub kind: OutageKind,
 }
 
-/// What failed in an outage. To the links it is the same, but that a crash loses the queue.
+/// What failed in an outage. The links treat both the same, except that a crash loses the queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutageKind {
-    /// The radio alone: the agent flies on with what it knows.
+    /// The radio only: the agent flies on and keeps its knowledge.
     #[default]
     Radio,
-    /// The agent's process: it comes back with a higher incarnation and empty knowledge.
+    /// The agent's process: it restarts with a higher incarnation and without knowledge.
     Crash,
 }
 

@@ -4,7 +4,7 @@ fn read(text: &str) -> Result<NetemConfig, String> {
     toml::from_str(text).map_err(|error| error.message().to_owned())
 }
 
-/// Everything that can be said.
+/// Every key of the section.
 const FULL: &str = r#"
 trace = "all"
 [radio]
@@ -100,7 +100,7 @@ fn unknown_keys_are_refused() {
     }
 }
 
-/// One impossible value each: where it is, and a part of what is said.
+/// One impossible value each: its key, and a part of the message.
 #[test]
 fn every_impossible_value_is_found() {
     let cases = [

@@ -18,7 +18,7 @@ fn outage(agent: u16, from_s: f64, until_s: f64) -> OutageConfig {
     OutageConfig { agent, from_s, until_s, kind: OutageKind::Crash }
 }
 
-/// Everything at once, on every link.
+/// All rules at once, on every link.
 fn storm() -> ChannelConfig {
     ChannelConfig {
         range_m: 100.0,
@@ -28,7 +28,7 @@ fn storm() -> ChannelConfig {
         light_delay: true,
         loss: LossConfig::GilbertElliott { p: 0.1, r: 0.3, h: 0.2, k: 0.98 },
         delay: DelayConfig::Pareto { mean_s: 0.4, shape: 2.5, correlation: 0.6 },
-        // Over 50 m about one message in nine is too weak.
+        // Over 50 m about one message in nine has a packet error.
         propagation: Some(PropagationConfig {
             tx_power_dbm: -1.0,
             shadowing_sigma_db: 0.2,
@@ -80,14 +80,14 @@ fn a_broadcast_costs_its_bytes_once() {
             links.send(&Sent { dst: AgentId(dst), ..sent(sequence) }, payload());
         }
     }
-    // The same number in another life or on another channel is another message.
+    // The same number in another incarnation or on another channel is another message.
     links.send(&Sent { incarnation: Incarnation(1), ..sent(0) }, payload());
     links.send(&Sent { channel: ChannelId(1), ..sent(0) }, payload());
     assert_eq!((links.counters().sent, links.counters().bytes_sent), (14, 50));
     assert_eq!(links.counters().dropped, [(Reason::NoChannel, 1)].into());
 }
 
-/// The bucket is that of the sender: what one receiver misses still took its share.
+/// The bucket belongs to the sender: a message that one receiver misses took its tokens.
 #[test]
 fn a_full_queue_loses_a_message_for_all() {
     let rate = RateConfig { bytes_s: 100.0, burst_bytes: 100, queue_bytes: 100 };
@@ -97,7 +97,7 @@ fn a_full_queue_loses_a_message_for_all() {
     let at = |fate: Fate| fate.first.map(|delivery| delivery.at.seconds());
     for (i, expected) in [Ok(1.0), Ok(2.0), Err(Reason::Queue)].into_iter().enumerate() {
         let i = i as u64;
-        // Out of range comes before the queue, whoever is asked about first.
+        // The rule of the range comes before that of the queue, whichever receiver is queried first.
         assert_eq!(at(links.fate(&far(i))), Err(Reason::Range));
         assert_eq!(at(links.fate(&sent(i))), expected);
     }
@@ -118,7 +118,7 @@ fn what_is_damaged_arrives_and_is_counted() {
     assert_eq!((counters.delivered, counters.corrupted), (2, 2));
 }
 
-/// Both directions' packets in flight die with their sender in another emulator.
+/// In another emulator packets in flight are lost when their sender fails.
 #[test]
 fn in_flight_survives_its_sender_and_later_partitions_but_not_a_dead_receiver() {
     let delay = DelayConfig::Constant { mean_s: 5.0 };
@@ -150,7 +150,7 @@ fn in_flight_survives_its_sender_and_later_partitions_but_not_a_dead_receiver() 
     assert!(links.counters().conserved());
 }
 
-/// Names its reason even where several rules would have lost the message.
+/// The first rule gives the reason where several rules would lose the message.
 #[test]
 fn the_first_rule_names_the_reason() {
     let mut config = NetemConfig {
@@ -184,7 +184,7 @@ fn the_first_rule_names_the_reason() {
     assert_eq!(reason(&config), Err(Reason::Outage));
 }
 
-/// Another emulator starts its randomness anew whenever a setting changes.
+/// Another emulator restarts its random numbers whenever a setting changes.
 #[test]
 fn reconfiguring_every_tick_resets_nothing() {
     let mut still = links(storm(), 5);
@@ -214,7 +214,7 @@ fn reconfiguring_keeps_queues_and_chains() {
     queue.reconfigure(&NetemConfig { radio: with_rate(1000.0), ..Default::default() });
     assert_eq!(queue.fate(&sent(10)).first.unwrap().at, SimTime::from_seconds(2.1));
 
-    // A chain that is frozen stays in the state that it is in.
+    // A chain whose transitions have probability 0 stays in its state.
     let chain = |p, r| ChannelConfig {
         loss: LossConfig::GilbertElliott { p, r, h: 0.0, k: 1.0 },
         ..Default::default()
@@ -228,7 +228,7 @@ fn reconfiguring_keeps_queues_and_chains() {
     }
 }
 
-/// What waits for its turn needs a radio when that comes, and a sender that has lived on.
+/// A message that waits in a queue needs a radio when it leaves, and a sender that did not crash.
 #[test]
 fn a_queue_does_not_leave_through_a_radio_that_is_off() {
     let rate = RateConfig { bytes_s: 100.0, burst_bytes: 0, queue_bytes: 1000 };
@@ -246,14 +246,14 @@ fn a_queue_does_not_leave_through_a_radio_that_is_off() {
 }
 
 #[test]
-fn every_life_has_its_own_fates_and_an_older_one_is_still_known() {
+fn every_incarnation_has_fates_of_its_own_and_those_of_an_older_one_stay() {
     let mut links = links(storm(), 5);
-    let life = |i, life| Sent { incarnation: Incarnation(life), ..sent(i) };
-    let first: Vec<Fate> = (0..50).map(|i| links.fate(&life(i, 0))).collect();
-    let second: Vec<Fate> = (0..50).map(|i| links.fate(&life(i, 1))).collect();
+    let of = |i, incarnation| Sent { incarnation: Incarnation(incarnation), ..sent(i) };
+    let first: Vec<Fate> = (0..50).map(|i| links.fate(&of(i, 0))).collect();
+    let second: Vec<Fate> = (0..50).map(|i| links.fate(&of(i, 1))).collect();
     assert_ne!(first, second);
-    assert_eq!(links.fate(&life(49, 0)), first[49]);
-    assert_eq!(links.fate(&life(7, 1)), second[7]);
+    assert_eq!(links.fate(&of(49, 0)), first[49]);
+    assert_eq!(links.fate(&of(7, 1)), second[7]);
 }
 
 proptest! {
@@ -273,7 +273,7 @@ proptest! {
         }
     }
 
-    /// Whatever is asked, in whatever order: nothing panics and nothing is lost from the books.
+    /// No query in any order panics, and the counters keep their invariant.
     #[test]
     fn any_message_is_judged(
         seed: u64,
@@ -282,11 +282,11 @@ proptest! {
         ),
     ) {
         let mut links = links(ChannelConfig { rate: RateConfig { bytes_s: 9.0, ..Default::default() }, ..storm() }, seed);
-        for ([src, dst, life], channel, sequence, time, p) in messages {
+        for ([src, dst, incarnation], channel, sequence, time, p) in messages {
             let message = Sent {
                 src: AgentId(src),
                 dst: AgentId(dst),
-                incarnation: Incarnation(u32::from(life)),
+                incarnation: Incarnation(u32::from(incarnation)),
                 channel: ChannelId(channel % 2),
                 sequence,
                 time: SimTime(time),

@@ -12,7 +12,7 @@ fn standard() -> Normal {
     Normal::new(0.0, 1.0).unwrap()
 }
 
-/// The exact distribution, written anew from its definition.
+/// The exact distribution, implemented independently from its definition.
 fn cdf(delay: &DelayConfig, x: f64) -> f64 {
     let f = match delay {
         DelayConfig::Constant { mean_s } => f64::from(u8::from(x >= *mean_s)),
@@ -62,7 +62,7 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / a.len().min(b.len()) as f64
 }
 
-/// What is new in each score but the first: z_n - ρ z_{n-1}, of variance 1 - ρ².
+/// The innovation of each score but the first: z_n - ρ z_{n-1}, of variance 1 - ρ².
 fn innovations(scores: &[f64], before: &[f64], rho: f64) -> Vec<f64> {
     scores[1..].iter().zip(before).map(|(z, before)| z - rho * before).collect()
 }
@@ -85,7 +85,7 @@ fn check(delay: &DelayConfig, seed: u64) {
     let lag_2 = product(&scores[2..], &scores) / product(&scores, &scores);
     // Bartlett's formula for an AR(1) series.
     let error_2 = ((1.0 + rho * rho).powi(2) - 4.0 * rho.powi(4)).sqrt() / n.sqrt();
-    // A copy has the same past as its message and is otherwise independent of it.
+    // A copy has the same predecessor as its message and is otherwise independent of it.
     let fresh = innovations(&scores, &scores, rho);
     let fresh_copies = innovations(&copies, &scores, rho);
     let copy = product(&fresh, &fresh_copies);

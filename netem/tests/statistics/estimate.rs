@@ -1,5 +1,5 @@
-//! Estimates with their standard errors, from batch means: batches much longer than the correlation
-//! are as good as independent.
+//! Estimates with their standard errors, from batch means: batches much longer than the correlation are
+//! nearly independent.
 
 const BATCHES: usize = 200;
 
@@ -13,9 +13,9 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// How many standard errors it is off.
+    /// The difference from `truth`, in standard errors.
     pub fn sigmas(&self, truth: f64) -> f64 {
-        // Rounding alone is no deviation.
+        // Differences by rounding alone do not count.
         let off = (self.value - truth).abs();
         if off < 1e-9 { 0.0 } else { off / self.error }
     }
@@ -34,11 +34,11 @@ pub fn mean(series: &[f64]) -> Estimate {
     Estimate { value, error: (variance / n).sqrt() }
 }
 
-/// The autocovariance at `lag` of a series whose mean and whose autocovariance there should be
-/// these.
+/// The autocovariance at `lag` of a series that should have the mean `mean_value` and at this lag the
+/// autocovariance `theory`.
 ///
-/// Where losses are so rare that no batch has a pair of them, batches show no spread: the error is
-/// at least that of independent products of the theory's variance.
+/// Where losses are so rare that no batch has a pair of them, all batches are equal. So the error is at
+/// least that of independent products with the variance of the theory.
 pub fn autocovariance(lost: &[bool], mean_value: f64, lag: usize, theory: f64) -> Estimate {
     let centred = |x: bool| f64::from(u8::from(x)) - mean_value;
     let products: Vec<f64> =

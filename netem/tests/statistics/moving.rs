@@ -34,7 +34,7 @@ fn packet_error_rates_are_the_closed_forms() {
         let got = packet_error_rate(snr_db, bytes);
         assert!((got - expected).abs() < 1e-10, "{snr_db} dB, {bytes} bytes: {got} {expected}");
     }
-    // And on a grid, with another library and the formula as it is written.
+    // And on a grid, with another library and the plain formula.
     for snr_db in (-60..=150).map(|i| f64::from(i) / 10.0) {
         let snr = 10f64.powf(snr_db / 10.0);
         let bit = 0.5 * statrs::function::erf::erfc(snr.sqrt());
@@ -57,7 +57,7 @@ const RADIO: PropagationConfig = PropagationConfig {
     obstruction_db: 20.0,
 };
 
-/// Written anew from the formulas.
+/// An independent implementation of the formulas.
 fn expected_loss(distance_m: f64, shadowing_db: f64, bytes: i32) -> f64 {
     let snr_db = 20.0 - 40.0 - 30.0 * distance_m.max(1.0).log10() - shadowing_db + 90.0;
     let bit = 0.5 * statrs::function::erf::erfc(10f64.powf(snr_db / 10.0).sqrt());
@@ -88,7 +88,7 @@ fn a_moving_link_loses_by_distance() {
     for (i, (lost, expected, variance)) in bins.into_iter().enumerate() {
         let sigmas = (lost - expected) / (variance + 1e-9).sqrt();
         println!("{:4} m: lost {lost:6} of {expected:9.1} ({sigmas:+.1}σ)", i * 10);
-        // Below one message expected, counts are whole numbers.
+        // Where less than one message is expected, counts are whole numbers.
         assert!((lost - expected).abs() < 4.0 * variance.sqrt() + 1.0, "bin {i}: {sigmas} sigma");
     }
 }
@@ -101,7 +101,7 @@ fn shadowing_is_normal_over_places() {
     let mut links = links(ChannelConfig { propagation: Some(shadowed), ..Default::default() }, 32);
     let mut losses = Vec::new();
     for place in 0..4000u32 {
-        // Pairs of agents and places in turn; within a place the losses go together.
+        // Pairs of agents and places in turn; losses at one place are correlated.
         let offset_m = 10.0 * f64::from(place / 40);
         for i in 0..250 {
             let message = Sent {
@@ -126,7 +126,7 @@ fn shadowing_is_normal_over_places() {
     assert!(got.sigmas(expected) < 4.0, "{got:?} {expected}");
 }
 
-/// A link whose settings change with every message still has its bursts: the chain goes on.
+/// A link whose settings change with every message still has bursts: its chain goes on.
 #[test]
 fn settings_that_change_every_tick_leave_bursts_whole() {
     const N: u64 = 200_000;

@@ -1,5 +1,5 @@
-//! Known defects of other emulators, and the same questions put to one of them (`str0m-netem`) for
-//! comparison. Only our answers are asserted; theirs are printed.
+//! Known defects of other emulators, and the same tests on one of them (`str0m-netem`) for comparison. Only
+//! the results of csat are asserted; those of the other one are printed.
 
 use std::time::{Duration, Instant};
 
@@ -131,8 +131,8 @@ fn jitter_reorders() {
     assert!(ours > 0.3, "{ours}");
 }
 
-/// Setting a configuration starts their randomness anew: a link whose settings follow its motion
-/// loses all its messages or none.
+/// In `str0m-netem` a new configuration restarts the random numbers: a link whose settings follow its
+/// motion loses all its messages or none.
 #[test]
 fn moving_settings_beside_theirs() {
     const N: u32 = 20_000;

@@ -1,4 +1,4 @@
-//! What loss models promise, from their transition matrices alone.
+//! The statistics of the loss models, computed from their transition matrices alone.
 
 use csat_netem::config::LossConfig;
 

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use csat_agent::estimate::Estimator;
-use csat_agent::estimate::evidence::Heard;
+use csat_agent::estimate::evidence::ReceivedFact;
 use csat_agent::estimate::state::Knowledge;
 use csat_agent::identity::Identity;
 use csat_mission::engine::StepTrace;
@@ -34,7 +34,7 @@ pub fn check(engine: &Swarm, trace: &StepTrace<Faulty>) -> Result<u64, String> {
         return Ok(0);
     }
     let estimator = Estimator::new(node.agent.inner.config());
-    let with = |knowledge: &Knowledge, news: &Heard| {
+    let with = |knowledge: &Knowledge, news: &ReceivedFact| {
         let mut knowledge = knowledge.clone();
         estimator.update(&mut knowledge, None, vec![news.clone()]);
         knowledge
@@ -48,14 +48,14 @@ pub fn check(engine: &Swarm, trace: &StepTrace<Faulty>) -> Result<u64, String> {
     Ok(1)
 }
 
-fn decode(bytes: &[u8]) -> Option<Heard> {
+fn decode(bytes: &[u8]) -> Option<ReceivedFact> {
     let Envelope { src, incarnation, sequence, body, .. } = Envelope::decode(bytes).ok()?;
     let (fact, known) = match postcard::from_bytes(&body).ok()? {
         Message::Fact(fact) => (fact, None),
         Message::Snapshot(snapshot) => (snapshot.fact, Some(snapshot.known)),
         Message::Plan(_) => return None,
     };
-    Some(Heard {
+    Some(ReceivedFact {
         src,
         incarnation,
         fact: Arc::new(fact),

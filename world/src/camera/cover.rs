@@ -35,7 +35,7 @@ pub(super) fn for_touched(
 
 /// First and last index in 0..count of the closed unit intervals that meet [low, high], widened.
 fn touched(low: f64, high: f64, count: usize) -> Option<[usize; 2]> {
-    // An integer bound belongs to the interval before it as well; the margin takes care of that.
+    // An integer bound belongs to the interval before it as well; the margin includes that interval.
     let low = (low - CONTOUR_MARGIN_PX).floor();
     let high = (high + CONTOUR_MARGIN_PX).floor();
     // NaN (from an edge at infinity) compares false and touches nothing.

@@ -1,4 +1,4 @@
-//! Which face is nearest at the centre of each pixel.
+//! The nearest face at the centre of each pixel.
 
 /// Depth buffer over pixel centres, row-major.
 #[derive(Debug, Clone, Default)]
@@ -6,7 +6,7 @@ pub(super) struct DepthBuffer {
     rows: usize,
     /// Column coordinate of every column's centre.
     centres: Vec<f64>,
-    /// 1/z of the nearest face, z along the optical axis, 1/m; 0 where nothing is met.
+    /// 1/z of the nearest face, z along the optical axis, 1/m; 0 where there is no face.
     pub inv_z: Vec<f64>,
     /// Number of the nearest face.
     pub face: Vec<u32>,
@@ -25,7 +25,7 @@ impl DepthBuffer {
         }
     }
 
-    /// Starts over with face 0, the plane 1/z = g · (c, r, 1), everywhere below its horizon.
+    /// Clears the buffer to face 0, the plane 1/z = g · (c, r, 1), everywhere below its horizon.
     pub fn clear(&mut self, [g0, g1, g2]: [f64; 3]) {
         self.face.fill(0);
         for (row, line) in self.inv_z.chunks_exact_mut(self.centres.len().max(1)).enumerate() {
@@ -75,7 +75,7 @@ impl DepthBuffer {
         let start = row * self.centres.len();
         let depths = &mut self.inv_z[start + from..start + to];
         let faces = &mut self.face[start + from..start + to];
-        // Without a branch, so that it runs in SIMD lanes.
+        // There is no branch, so that the loop runs in SIMD lanes.
         for ((depth, winner), c) in depths.iter_mut().zip(faces).zip(&self.centres[from..to]) {
             let inv_z = (g0 * c + base).max(low).min(high);
             let nearer = inv_z > *depth;

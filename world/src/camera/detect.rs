@@ -1,4 +1,4 @@
-//! Detections: which targets are identified, and where.
+//! Detections: the identified targets and their boxes.
 
 use std::collections::BTreeMap;
 
@@ -7,11 +7,11 @@ use csat_proto::frame::{Detection, Label, PixelBox};
 use csat_proto::ids::TargetId;
 use rand::RngExt;
 
-use super::noise::{Purpose, Stream};
+use super::noise::{NoisePurpose, Stream};
 
 /// Pixels of one target.
 #[derive(Debug, Clone, Copy)]
-struct Tally {
+struct PixelTally {
     count: u32,
     pixels: PixelBox,
 }
@@ -20,8 +20,8 @@ struct Tally {
 ///
 /// A target is identified when at least `min_pixels` (and one) of its pixels are labelled Target.
 /// Its box is the smallest around them, displaced by a random offset of up to `box_error_px` in
-/// each direction and clipped to the image. Offsets that would leave no Target pixel of it in the
-/// box, against (3.53), are halved until one is left.
+/// each direction and clipped to the image. An offset that would leave no Target pixel of the target in
+/// the box, against (3.53), is halved until one is left.
 pub(super) fn detections(
     model: &CameraModel,
     labels: &[Label],
@@ -29,12 +29,12 @@ pub(super) fn detections(
     stream: Stream,
 ) -> Vec<Detection> {
     let columns = usize::from(model.columns);
-    let mut rng = stream.rng(Purpose::Boxes);
+    let mut rng = stream.rng(NoisePurpose::Boxes);
     let error = i32::from(model.box_error_px);
     let mut found = Vec::new();
-    for (target, Tally { count, pixels }) in tally(labels, columns, &target_of) {
-        // One block of the stream each, so that one target's visibility does not move another's
-        // box.
+    for (target, PixelTally { count, pixels }) in tally(labels, columns, &target_of) {
+        // Each target has a block of the stream, so that the visibility of one does not affect the box of
+        // another.
         rng.set_word_pos(u128::from(target.0) * 16);
         let offset = [rng.random_range(-error..=error), rng.random_range(-error..=error)];
         if count >= model.min_pixels {
@@ -54,8 +54,8 @@ fn tally(
     labels: &[Label],
     columns: usize,
     target_of: impl Fn(usize) -> Option<TargetId>,
-) -> BTreeMap<TargetId, Tally> {
-    let mut tallies: BTreeMap<TargetId, Tally> = BTreeMap::new();
+) -> BTreeMap<TargetId, PixelTally> {
+    let mut tallies: BTreeMap<TargetId, PixelTally> = BTreeMap::new();
     for (row, line) in labels.chunks_exact(columns.max(1)).enumerate() {
         for (column, label) in line.iter().enumerate() {
             if *label != Label::Target {
@@ -63,8 +63,8 @@ fn tally(
             }
             let Some(target) = target_of(row * columns + column) else { continue };
             let (c, r) = (column as u16, row as u16);
-            let fresh = Tally { count: 0, pixels: PixelBox { columns: [c, c], rows: [r, r] } };
-            let Tally { count, pixels } = tallies.entry(target).or_insert(fresh);
+            let fresh = PixelTally { count: 0, pixels: PixelBox { columns: [c, c], rows: [r, r] } };
+            let PixelTally { count, pixels } = tallies.entry(target).or_insert(fresh);
             *count += 1;
             pixels.columns = [pixels.columns[0].min(c), pixels.columns[1].max(c)];
             pixels.rows = [pixels.rows[0].min(r), pixels.rows[1].max(r)];

@@ -1,4 +1,4 @@
-//! Which parts of the contour edges are visible.
+//! The visible parts of the contour edges.
 
 use nalgebra::Vector3;
 
@@ -8,10 +8,10 @@ use super::outline::Outline;
 use crate::plane::{between, cross, dot, minus};
 use crate::scene::{Prism, Scene};
 
-/// Lines that enclose a smaller angle (radians) are split as parallel ones, too.
+/// Lines that enclose a smaller angle (radians) are also split like parallel ones.
 const PARALLEL: f64 = 1e-5;
-/// How far beyond its ends an edge still splits others, as a share of its length. Needless splits
-/// are harmless, a missing one is not.
+/// How far beyond its ends an edge splits others, as a share of its length. Superfluous splits are harmless,
+/// a missing one is not.
 const OVERSHOOT: f64 = 1e-3;
 
 /// Finds visible parts, in buffers that are reused.
@@ -50,13 +50,13 @@ impl Visibility {
         }
     }
 
-    /// Lists the prisms that may hide part of `edge` and where that may change.
+    /// Lists the prisms that may hide part of `edge`, and the parameters where its visibility may change.
     fn split(&mut self, edge: &ImageEdge, outline: &Outline) {
         self.splits.clear();
         self.occluders.clear();
         let farthest = edge.inv_z[0].min(edge.inv_z[1]);
         for (slot, prism) in outline.prisms.iter().enumerate() {
-            // What is entirely behind the edge's farthest point hides nothing of it.
+            // A prism entirely behind the farthest point of the edge hides no part of it.
             if prism.max_inv_z < farthest || !prism.bounds.overlaps(&edge.bounds) {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! The camera at a pose, with what projection of edges and planes needs.
+//! The camera at a pose, and the projection of edges and planes.
 
 use csat_proto::camera::CameraView;
 use nalgebra::Vector3;
@@ -131,8 +131,8 @@ impl Lens {
         [g.x, g.y, g.z]
     }
 
-    /// Bit set of the sides of the view cone a point is outside of; points that share a bit span
-    /// nothing visible.
+    /// The sides of the view cone that a point is outside of, a bit each. Points that share a bit span no
+    /// visible set.
     pub fn outcode(&self, camera: &Vector3<f64>) -> u8 {
         let x = self.focal_px * camera.x;
         let y = self.focal_px * camera.y;

@@ -1,7 +1,7 @@
-//! The camera and the computer-vision system (CVS) of a UAV: what they report of a [`Scene`].
+//! The camera and the computer-vision system (CVS) of a UAV: the frames that they make of a [`Scene`].
 //!
-//! [`Renderer`] is the fast and exact path, [`oracle::Oracle`] an independent ray caster that the
-//! tests hold against it pixel by pixel. A frame is made in four steps:
+//! [`Renderer`] is fast and exact; [`oracle::Oracle`] is an independent ray caster with which the tests
+//! compare it pixel by pixel. A frame is made in three steps:
 //!
 //! 1. `render`: depth buffer at pixel centres, visible contours, reach (thesis §3.5.2);
 //! 2. `noise`: D = ρ(1+w) (3.33), quantised;
@@ -14,7 +14,7 @@
 //! first, at a distance of at most d_max.
 //!
 //! Every prism is a closed polyhedron standing on the plane z = 0, and the camera is above the ground
-//! and outside all prisms: above a roof, or beside what is higher. Floors never face the camera, roofs
+//! and outside all prisms: above a roof, or beside a higher prism. Floors never face the camera, roofs
 //! do when they are below it, and the sky is met by rays at or above the horizon only. Call *contour*
 //! of a prism all edges between a face that faces the camera and one that does not:
 //!
@@ -41,7 +41,7 @@
 //! merely touches another solid counts as visible. Ground and sky are behind everything: they need no
 //! case. ∎
 //!
-//! So it suffices to know the winner at the centre of each pixel (`depth`, exact up to rounding,
+//! So it suffices to know the nearest face at the centre of each pixel (`depth`, exact up to rounding,
 //! and roundings matter only within ~1e-9 px of a contour), to know exactly which parts of which
 //! contour edges are visible (`hidden`: classical hidden-line removal, not sampling), and to
 //! declare Unknown every pixel that a visible part touches (`cover`: all closed squares that meet
@@ -49,10 +49,9 @@
 //!
 //! A contour edge changes from visible to hidden by F only where its image crosses the image of a
 //! contour edge of F: the hidden part is where the triangle camera-edge cuts F, and its rim is a
-//! ray that touches F with F on one side only. All such crossings (and more: needless ones are
-//! harmless) split the edge, and the middle of each piece decides for the piece, by an exact test
-//! whether the segment from the camera pierces the prism by more than [`CLEARANCE_M`]. What is
-//! closer to the limit than that counts as visible.
+//! ray that touches F with F on one side only. All such crossings (and more: superfluous ones are
+//! harmless) split the edge. The middle of each piece decides for the piece, by an exact test whether the
+//! segment from the camera pierces the prism by more than [`CLEARANCE_M`]; otherwise it counts as visible.
 //!
 //! **Distance.** Along a plane, the set of rays with ρ ≤ d_max is convex in the image, so a plane
 //! is within d_max on all of Q when it is at the four corners; the horizon is the same test. The
@@ -63,7 +62,7 @@
 //! Prisms that are entirely beyond d_max are dropped: behind one, a ray would meet the ground even
 //! farther away, or the sky.
 //!
-//! # What is needlessly Unknown
+//! # Pixels that are Unknown without need
 //!
 //! Pixels where an obstacle hides a farther part of itself (a contour with the same obstacle on
 //! both sides), those within the margins above of a contour, and those at d_max where the plane of

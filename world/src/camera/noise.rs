@@ -9,7 +9,7 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::render::Classified;
 
-/// Selects the random numbers of one frame, whatever was drawn for other frames.
+/// The random numbers of one frame; they do not depend on the draws for other frames.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stream {
     pub seed: u64,
@@ -17,16 +17,16 @@ pub(super) struct Stream {
     pub step: Step,
 }
 
-/// What random numbers are for.
+/// The purpose of random numbers.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Purpose {
+pub(super) enum NoisePurpose {
     Depth = 0,
     Boxes = 1,
 }
 
 impl Stream {
     /// The generator for one purpose.
-    pub fn rng(self, purpose: Purpose) -> ChaCha8Rng {
+    pub fn rng(self, purpose: NoisePurpose) -> ChaCha8Rng {
         let mut key = [0; 32];
         key[0..8].copy_from_slice(&self.seed.to_le_bytes());
         key[8..12].copy_from_slice(&self.step.0.to_le_bytes());
@@ -39,8 +39,8 @@ impl Stream {
 }
 
 /// The depths D = ρ(1+w) of a frame (3.33), quantised, with w uniform in `depth_noise`. A depth
-/// beyond d_max makes its pixel Unknown. Pixel n takes the n-th number of the stream, whatever the
-/// other pixels are; Unknown pixels get depth 0.
+/// beyond d_max makes its pixel Unknown. Pixel n takes the n-th number of the stream, so it does not depend
+/// on other pixels; Unknown pixels get depth 0.
 pub(super) fn measure(
     model: &CameraModel,
     seen: &Classified,
@@ -53,7 +53,7 @@ pub(super) fn measure(
     let offset = 1.0 + low + 0.5 * scale;
     let step_m = model.depth_step_m();
     let columns = usize::from(model.columns);
-    let mut rng = stream.rng(Purpose::Depth);
+    let mut rng = stream.rng(NoisePurpose::Depth);
     let mut words = vec![0u8; 4 * columns];
     let mut steps = vec![0i32; columns];
     let mut depth = vec![0u16; labels.len()];
@@ -75,9 +75,9 @@ pub(super) fn measure(
     depth
 }
 
-/// [`CameraModel::quantise_depth`] in instructions that take many pixels at once; 65536 beyond d_max.
+/// [`CameraModel::quantise_depth`] in a form that compiles to vector instructions; 65536 beyond d_max.
 fn quantised(depth_m: f64, step_m: f64) -> i32 {
-    // About here numbers are one apart, and their last bits count from here on.
+    // Numbers near this one have a spacing of 1, so that their last bits are the offset from it.
     const HERE: f64 = 1.5 * (1u64 << 52) as f64;
     let steps = (depth_m / step_m + 0.5).min(65536.0);
     let nearest = steps + HERE - HERE;
@@ -106,11 +106,11 @@ mod tests {
     fn streams_differ_in_seed_agent_step_and_purpose() {
         let stream = Stream { seed: 1, agent: AgentId(2), step: Step(3) };
         let all = [
-            stream.rng(Purpose::Depth),
-            stream.rng(Purpose::Boxes),
-            Stream { seed: 2, ..stream }.rng(Purpose::Depth),
-            Stream { agent: AgentId(3), ..stream }.rng(Purpose::Depth),
-            Stream { step: Step(4), ..stream }.rng(Purpose::Depth),
+            stream.rng(NoisePurpose::Depth),
+            stream.rng(NoisePurpose::Boxes),
+            Stream { seed: 2, ..stream }.rng(NoisePurpose::Depth),
+            Stream { agent: AgentId(3), ..stream }.rng(NoisePurpose::Depth),
+            Stream { step: Step(4), ..stream }.rng(NoisePurpose::Depth),
         ];
         let mut first: Vec<u64> = all.into_iter().map(|mut rng| rng.next_u64()).collect();
         first.sort_unstable();

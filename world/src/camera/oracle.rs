@@ -1,7 +1,7 @@
-//! An independent ray caster: slow, simple, and nothing in common with the renderer but the camera.
+//! An independent ray caster: slow and simple. It shares only the camera with the renderer.
 //!
 //! Every prism becomes triangles (walls, roof and floor), all in one parry mesh; floors close the
-//! solids, so a ray that rounding lets slip between two triangles still ends in the same entity.
+//! solids, so a ray that passes between two triangles by rounding still ends in the same entity.
 
 use csat_proto::camera::CameraView;
 use csat_proto::frame::Label;
@@ -12,7 +12,7 @@ use parry3d_f64::shape::TriMesh;
 
 use crate::scene::{Entity, Prism, Scene};
 
-/// What a ray meets first.
+/// The thing that a ray meets first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Hit {
     /// The plane z = 0.
@@ -22,7 +22,7 @@ pub enum Hit {
 }
 
 impl Hit {
-    /// The label of a pixel all of whose rays end so.
+    /// The label of a pixel all of whose rays meet this.
     pub fn label(self) -> Label {
         match self {
             Self::Ground => Label::Ground,
@@ -36,7 +36,7 @@ impl Hit {
 pub struct Oracle {
     /// `None` when the scene is empty.
     mesh: Option<TriMesh>,
-    /// Whose each triangle is.
+    /// The entity of each triangle.
     entities: Vec<Entity>,
 }
 
@@ -58,7 +58,7 @@ impl Oracle {
         let reach = ground_m.unwrap_or(f64::MAX);
         let vector = |v: Vector3<f64>| Vector::new(v.x, v.y, v.z);
         let ray = Ray::new(vector(origin), vector(direction));
-        // Floors lie in the ground; a little more reach lets them win.
+        // Floors lie in the plane of the ground; with a little more reach the ray meets them first.
         let solid = self.mesh.as_ref().and_then(|mesh| {
             mesh.cast_local_ray_and_get_normal(&ray, reach * (1.0 + 1e-12), false)
         });
@@ -76,8 +76,8 @@ impl Oracle {
         self.cast(view.centre_world(), view.ray_world(c, r))
     }
 
-    /// What `n` x `n` rays through a pixel meet, corners and borders included (`n` >= 2): `None`
-    /// unless all meet the same within d_max.
+    /// The thing that `n` x `n` rays through a pixel meet, corners and borders included (`n` >= 2); `None`
+    /// unless all meet the same thing within d_max.
     pub fn classify_pixel(
         &self,
         view: &CameraView,

@@ -1,4 +1,4 @@
-//! What a camera may see of the prisms: faces that face it, contour edges, creases.
+//! The parts of the prisms that a camera may see: faces that face it, contour edges, creases.
 
 use std::ops::Range;
 
@@ -17,11 +17,11 @@ const EDGE_ON_M: f64 = 1e-6;
 /// A plane that is nearest at some pixel centres.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Face {
-    /// Whose face it is; `None` for the ground.
+    /// The entity of the face; `None` for the ground.
     pub entity: Option<Entity>,
     /// 1/z = g · (c, r, 1).
     pub plane: [f64; 3],
-    /// Whether part of it may be beyond d_max. The ground is tested apart.
+    /// Whether part of it may be beyond d_max. The ground is tested separately.
     pub far: bool,
 }
 
@@ -44,7 +44,7 @@ pub(super) struct SeenPrism {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Crease {
     pub edge: ImageEdge,
-    /// Both faces' numbers in [`Outline::faces`].
+    /// The numbers of both faces in [`Outline::faces`].
     pub faces: [u32; 2],
 }
 
@@ -57,7 +57,7 @@ enum Facing {
 }
 
 impl Facing {
-    /// Of a face that the camera is so far in front of, metres.
+    /// Of a face that the camera is this far in front of, metres.
     fn of(ahead_m: f64) -> Self {
         if ahead_m > EDGE_ON_M {
             Self::Towards
@@ -101,7 +101,7 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Finds what is in view and draws the faces; `false` when the camera touches some of it.
+    /// Finds the prisms in view and draws their faces; `false` when the camera touches one of them.
     pub fn build(&mut self, lens: &mut Lens, scene: &Scene, depth: &mut DepthBuffer) -> bool {
         self.prisms.clear();
         self.faces.clear();
@@ -308,8 +308,8 @@ impl Outline {
     }
 }
 
-/// How far the camera is from a prism at least, metres: above the roof, or beside the walls of what
-/// is higher. 0 inside.
+/// A lower bound on the distance of the camera from a prism, metres: above the roof, or beside the walls of
+/// a higher prism. 0 inside.
 fn clearance_of(prism: &Prism, centre: &Vector3<f64>) -> f64 {
     let above_m = centre.z - prism.height_m;
     if above_m >= MIN_CLEARANCE_M {

@@ -24,13 +24,13 @@ pub(super) fn pixel_within(
     })
 }
 
-/// Which pixels of a row see a plane within d_max everywhere: an interval, from row to row.
+/// The pixels of a row that see a plane within d_max everywhere, which form an interval; row after row.
 #[derive(Debug, Clone)]
 pub(super) struct RowReach {
     plane: [f64; 3],
     d_max_m: f64,
     columns: usize,
-    /// First and last good corner of the row's lower border; first > last when there is none.
+    /// First and last corner within d_max on the row's lower border; first > last when there is none.
     corners: [usize; 2],
 }
 
@@ -42,7 +42,7 @@ impl RowReach {
         reach
     }
 
-    /// The columns of pixels of `row` that are good. To be called for rows 0, 1, 2, ...
+    /// The columns of pixels of `row` that are within d_max. To be called for rows 0, 1, 2, ...
     pub fn next_row(&mut self, lens: &Lens, row: usize) -> std::ops::Range<usize> {
         let above = self.corners_of(lens, row + 1);
         let below = std::mem::replace(&mut self.corners, above);

@@ -13,7 +13,7 @@ use super::reach::{RowReach, pixel_within};
 use super::{cover, detect, noise};
 use crate::scene::{Entity, Scene};
 
-/// What is seen through each pixel, without noise. Row-major, as in [`Frame`].
+/// The label and the distance of each pixel, without noise. Row-major, as in [`Frame`].
 #[derive(Debug, Clone)]
 pub struct Classified {
     labels: Vec<Label>,
@@ -29,17 +29,16 @@ impl Classified {
         &self.labels
     }
 
-    /// What the ray through the centre of a pixel meets first, however far; `None` for ground and
-    /// sky. It is what every ray meets where [`Self::labels`] says Obstacle or Target under
-    /// Assumption 4.
+    /// The entity that the ray through the centre of a pixel meets first, at any distance; `None` for ground
+    /// and sky. Where [`Self::labels`] is Obstacle or Target under Assumption 4, every ray of the pixel
+    /// meets it.
     pub fn entity(&self, pixel: usize) -> Option<Entity> {
         self.faces[self.depth.face[pixel] as usize].entity
     }
 
     /// ρ, the distance along the ray through the centre of a pixel, metres; infinite for sky.
     ///
-    /// Exact where `labels` is not Unknown; what is entirely beyond d_max may be left out
-    /// elsewhere.
+    /// Exact where `labels` is not Unknown; elsewhere, prisms entirely beyond d_max may be left out.
     pub fn rho_m(&self, pixel: usize) -> f64 {
         self.ray_norm[pixel] / self.depth.inv_z[pixel]
     }
@@ -50,14 +49,14 @@ impl Classified {
     }
 }
 
-/// Renders frames of one camera; reusable buffers, a fresh result each time.
+/// Renders frames of one camera. Its buffers are reused; no result depends on an earlier one.
 #[derive(Debug, Clone)]
 pub struct Renderer {
     model: CameraModel,
     seen: Classified,
     outline: Outline,
     visibility: Visibility,
-    /// The label of each face where nothing speaks against it.
+    /// The label of each face, for pixels that no contour and no d_max makes Unknown.
     plain: Vec<Label>,
     /// Whether a visible contour touches the pixel.
     contour: Vec<bool>,
@@ -141,7 +140,7 @@ impl Renderer {
         Frame { step, pose: *pose, labels, depth, detections }
     }
 
-    /// Nothing is known of any pixel.
+    /// Makes every pixel Unknown.
     fn blind(&mut self) {
         self.seen.labels.fill(Label::Unknown);
         self.seen.faces.clear();

@@ -1,12 +1,12 @@
-//! Warnings by cause: what one correction of the file puts right is told once.
+//! Warnings by cause: all warnings that one correction of the file would remove are reported together.
 
 use super::report::{FeatureRef, MapWarning};
 
-/// How many warnings of one cause are told one by one.
+/// The most warnings of one cause that are reported one by one.
 const TOLD: usize = 3;
 
 impl MapWarning {
-    /// What warnings have in common that call for one correction.
+    /// What warnings that one correction would remove have in common.
     fn cause(&self) -> (std::mem::Discriminant<Self>, &str, &str) {
         let (key, value) = match self {
             Self::BadHeight { key, got, .. } => (*key, got.as_str()),
@@ -40,11 +40,12 @@ impl MapWarning {
     }
 }
 
-/// The warnings in words: of each cause all when they are few, else the first and how many more.
+/// The texts of the warnings: for each cause all of them if they are few, else the first one and the number
+/// of the others.
 pub fn by_cause(warnings: &[MapWarning]) -> Vec<String> {
     let mut groups: Vec<Vec<&MapWarning>> = Vec::new();
     for warning in warnings {
-        // What names its features itself stands for itself.
+        // A warning that lists its features itself is not grouped.
         let group = warning
             .feature()
             .and_then(|_| groups.iter_mut().find(|group| group[0].cause() == warning.cause()));

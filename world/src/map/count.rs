@@ -8,11 +8,11 @@ use super::report::FeatureRef;
 /// Why a feature is not in the town.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LeftOut {
-    /// A polygon that no tag says anything about, as programs that find buildings in images make them.
+    /// A polygon without a tag, as programs that find buildings in images make them.
     Untagged,
     /// `building` or `building:part` has a value that is neither text nor true or false.
     OddTag {
-        /// Which of them.
+        /// The tag.
         key: &'static str,
         /// Its value, as JSON.
         got: String,
@@ -28,14 +28,14 @@ pub enum LeftOut {
     WrongGeometry {
         /// Its type.
         got: &'static str,
-        /// What would do.
+        /// What is expected.
         expected: &'static str,
     },
-    /// No ring encloses anything.
+    /// No ring encloses an area.
     NoArea,
     /// A road without two distinct positions.
     ShortRoad,
-    /// It does not reach the region.
+    /// It is outside the region.
     Outside,
     /// The outline of a building whose parts cover it: they are built instead.
     HasParts,
@@ -47,13 +47,13 @@ pub enum LeftOut {
     Tunnel,
     /// A `highway` that cars do not use.
     NotDrivable,
-    /// Neither building nor road.
+    /// Neither a building nor a road.
     OtherKind,
 }
 
 impl LeftOut {
-    /// Whether it can be a mistake in the file. Trees, footpaths and tunnels are only counted; of
-    /// rings and roads without extent each has a warning of its own.
+    /// Whether it may be a mistake in the file. Trees, footpaths and tunnels are only counted; each ring or
+    /// road without extent has a warning of its own.
     pub fn is_suspicious(&self) -> bool {
         use LeftOut::*;
         match self {

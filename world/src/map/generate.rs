@@ -11,49 +11,49 @@ use super::report::{MapError, MapWarning};
 use super::{Map, MapConfig, MapRules};
 use crate::obstacle::Obstacle;
 use crate::plane::{Bounds, Point};
-use crate::random::{Purpose, stream};
+use crate::random::{StreamPurpose, stream};
 
 mod shapes;
 
 /// Buildings keep at least this far from a street's centre line, metres.
 const SETBACK_M: f64 = 6.0;
-/// Extra distance beyond what cars need, metres.
+/// Added to the distance that cars need, metres.
 const SETBACK_MARGIN_M: f64 = 0.5;
 /// Buildings keep at least this far from the border of the region, metres.
 const BORDER_M: f64 = 2.0;
 /// Half the gap between neighbouring buildings, metres.
 const HALF_GAP_M: f64 = 2.0;
-/// Side of a lot that is aimed at, metres.
+/// Approximate side of a lot, metres.
 const LOT_M: f64 = 28.0;
 /// Smallest side of a lot worth building on, metres.
 const MIN_LOT_M: f64 = 6.0;
-/// Streets stray from the regular grid by at most this share of their spacing.
+/// Streets deviate from the regular grid by at most this share of their spacing.
 const JITTER: f64 = 0.1;
 
 /// The town of `seed`.
 ///
-/// Streets run through the whole region. Buildings keep off them and off each other, and cover
+/// Streets run through the whole region. Buildings keep a distance from streets and from each other, and cover
 /// exactly `built_share` of the region: kinds are drawn lot by lot, in random order, until enough
 /// is covered, then all footprints shrink by a common factor.
 ///
 /// # Errors
-/// When the blocks have no room for so much.
+/// When the blocks have no room for that share.
 pub fn generate(config: &MapConfig, rules: &MapRules, seed: u64) -> Result<Map, MapError> {
     let ground = Ground { size_m: config.size_m };
     let mut warnings = Vec::new();
     let heights = heights_m(config, rules, &mut warnings);
     let streets = {
-        let mut rng = stream(seed, Purpose::Streets);
+        let mut rng = stream(seed, StreamPurpose::Streets);
         config.size_m.map(|size_m| street_lines(size_m, config.road_spacing_m, &mut rng))
     };
-    let mut rng = stream(seed, Purpose::Buildings);
+    let mut rng = stream(seed, StreamPurpose::Buildings);
     let setback_m = SETBACK_M.max(rules.road_clearance_m + SETBACK_MARGIN_M);
     let mut lots = lots(&ground, &streets, setback_m);
     lots.shuffle(&mut rng);
     let wanted_m2 = config.built_share * ground.area_m2();
     let mut plan = draw(&lots, wanted_m2, &mut rng);
     if total_m2(&plan) < wanted_m2 {
-        // Varied buildings are not enough: fill whole lots.
+        // Buildings of several kinds do not cover enough: use blocks that fill their lots.
         plan = lots.iter().map(|lot| (shapes::filling(lot), "block")).collect();
     }
     let total_m2 = total_m2(&plan);
@@ -131,7 +131,7 @@ fn lots(ground: &Ground, streets: &[Vec<f64>; 2], setback_m: f64) -> Vec<Bounds>
     lots
 }
 
-/// What is free between the streets along one axis.
+/// The free spans between the streets along one axis.
 fn spans(half_m: f64, lines: &[f64], setback_m: f64) -> Vec<[f64; 2]> {
     let starts = std::iter::once(-half_m + BORDER_M).chain(lines.iter().map(|x| x + setback_m));
     let ends = lines.iter().map(|x| x - setback_m).chain(std::iter::once(half_m - BORDER_M));

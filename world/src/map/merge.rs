@@ -1,8 +1,8 @@
-//! Outlines that overlap made disjoint, so that solids of different obstacles never overlap.
+//! Makes outlines that overlap disjoint, so that solids of different obstacles never overlap.
 //!
-//! Where outlines of equal height meet they become one obstacle. Where heights differ the higher
-//! building keeps its whole outline and is cut out of the lower ones, which touch it then: the
-//! union of the solids stays what it was, and each one stays Z-convex (3.1).
+//! Outlines of equal height that meet become one obstacle. Where heights differ, the higher building keeps
+//! its whole outline, which is cut out of the lower ones. The union of the solids stays the same, and each
+//! solid stays Z-convex (3.1).
 
 use geo::{Area, BooleanOps, BoundingRect, MultiPolygon, Rect, unary_union};
 
@@ -12,7 +12,7 @@ use crate::obstacle::Obstacle;
 
 /// A building as mapped: valid, oriented outlines.
 #[derive(Debug, Clone)]
-pub(super) struct Outline {
+pub(super) struct BuildingOutline {
     pub feature: FeatureRef,
     /// The index of the building that it is or that it is a part of.
     pub building: usize,
@@ -20,12 +20,15 @@ pub(super) struct Outline {
     pub height_m: f64,
 }
 
-/// Disjoint obstacles (up to a few µm of rounding) that cover what the outlines cover, ordered by
-/// the first feature each comes from.
-pub(super) fn disjoint(outlines: &[Outline], warnings: &mut Vec<MapWarning>) -> Vec<Obstacle> {
+/// Disjoint obstacles (up to a few µm of rounding) that cover what the outlines cover, in the order of the
+/// first feature of each.
+pub(super) fn disjoint(
+    outlines: &[BuildingOutline],
+    warnings: &mut Vec<MapWarning>,
+) -> Vec<Obstacle> {
     let mut named: Vec<(usize, Obstacle)> = Vec::new();
     for cluster in clusters(outlines) {
-        let members: Vec<&Outline> = cluster.iter().map(|&i| &outlines[i]).collect();
+        let members: Vec<&BuildingOutline> = cluster.iter().map(|&i| &outlines[i]).collect();
         report_overlaps(&members, warnings);
         resolve(&members, &mut named);
     }
@@ -35,7 +38,7 @@ pub(super) fn disjoint(outlines: &[Outline], warnings: &mut Vec<MapWarning>) -> 
 }
 
 /// Groups of outlines linked by bounding boxes that meet, each in feature order.
-fn clusters(outlines: &[Outline]) -> Vec<Vec<usize>> {
+fn clusters(outlines: &[BuildingOutline]) -> Vec<Vec<usize>> {
     let boxes: Vec<Option<Rect<f64>>> = outlines.iter().map(|o| o.shape.bounding_rect()).collect();
     let mut cluster_of: Vec<usize> = (0..outlines.len()).collect();
     for i in 0..outlines.len() {
@@ -64,10 +67,10 @@ pub(super) fn meet(a: &Option<Rect<f64>>, b: &Option<Rect<f64>>) -> bool {
         && b.min().y <= a.max().y
 }
 
-fn report_overlaps(members: &[&Outline], warnings: &mut Vec<MapWarning>) {
+fn report_overlaps(members: &[&BuildingOutline], warnings: &mut Vec<MapWarning>) {
     for (j, b) in members.iter().enumerate() {
         for a in &members[..j] {
-            // Parts of one building stand in and on each other on purpose.
+            // Parts of one building may overlap.
             if a.building == b.building || !meet(&a.shape.bounding_rect(), &b.shape.bounding_rect())
             {
                 continue;
@@ -90,7 +93,7 @@ fn report_overlaps(members: &[&Outline], warnings: &mut Vec<MapWarning>) {
 }
 
 /// The obstacles of one cluster, from the highest down.
-fn resolve(members: &[&Outline], named: &mut Vec<(usize, Obstacle)>) {
+fn resolve(members: &[&BuildingOutline], named: &mut Vec<(usize, Obstacle)>) {
     if let [single] = members {
         let parts = single.shape.0.iter().map(|p| MultiPolygon(vec![p.clone()]));
         return parts.for_each(|part| push_parts(&part, &[*single], single.height_m, named));
@@ -100,7 +103,7 @@ fn resolve(members: &[&Outline], named: &mut Vec<(usize, Obstacle)>) {
     heights.dedup();
     let mut higher = MultiPolygon(Vec::new());
     for height_m in heights {
-        let level: Vec<&Outline> =
+        let level: Vec<&BuildingOutline> =
             members.iter().copied().filter(|m| m.height_m == height_m).collect();
         let union = unary_union(level.iter().map(|m| &m.shape));
         let free = if higher.0.is_empty() { union.clone() } else { union.difference(&higher) };
@@ -112,7 +115,7 @@ fn resolve(members: &[&Outline], named: &mut Vec<(usize, Obstacle)>) {
 /// One obstacle per part, named after the features that it comes from.
 fn push_parts(
     shape: &MultiPolygon<f64>,
-    sources: &[&Outline],
+    sources: &[&BuildingOutline],
     height_m: f64,
     named: &mut Vec<(usize, Obstacle)>,
 ) {
@@ -129,7 +132,7 @@ fn push_parts(
     }
 }
 
-fn covers(source: &Outline, footprint: &geo::Polygon<f64>) -> bool {
+fn covers(source: &BuildingOutline, footprint: &geo::Polygon<f64>) -> bool {
     meet(&source.shape.bounding_rect(), &footprint.bounding_rect())
         && source.shape.intersection(footprint).unsigned_area() > MIN_AREA_M2 / 2.0
 }
@@ -144,12 +147,12 @@ mod tests {
     use geo::{Contains, Distance, Euclidean, Point, Validation, polygon};
     use proptest::prelude::*;
 
-    fn square(index: usize, x: f64, y: f64, side: f64, height_m: f64) -> Outline {
+    fn square(index: usize, x: f64, y: f64, side: f64, height_m: f64) -> BuildingOutline {
         let shape = MultiPolygon(vec![polygon![
             (x: x, y: y), (x: x + side, y: y), (x: x + side, y: y + side), (x: x, y: y + side)
         ]]);
         let feature = FeatureRef { index, id: Some(format!("way/{index}")), name: None };
-        Outline { feature, building: index, shape, height_m }
+        BuildingOutline { feature, building: index, shape, height_m }
     }
 
     #[test]
@@ -196,7 +199,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever overlaps, the solids are disjoint and their union is what it was.
+        /// For all overlaps, the solids are disjoint and their union stays the same.
         #[test]
         fn the_union_of_the_solids_stays(
             squares in prop::collection::vec(
@@ -204,7 +207,7 @@ mod tests {
             ),
             probes in prop::collection::vec([0.0..28.0f64, 0.0..28.0f64], 50),
         ) {
-            let outlines: Vec<Outline> = squares
+            let outlines: Vec<BuildingOutline> = squares
                 .iter()
                 .enumerate()
                 .map(|(i, &(x, y, side, levels))| square(i, x, y, side, 3.0 * f64::from(levels)))
@@ -219,7 +222,7 @@ mod tests {
             }
             for p in probes {
                 let p = Point::new(p[0], p[1]);
-                let near_edge = |o: &Outline| Euclidean.distance(&p, o.shape.0[0].exterior()) < 0.1;
+                let near_edge = |o: &BuildingOutline| Euclidean.distance(&p, o.shape.0[0].exterior()) < 0.1;
                 if outlines.iter().any(near_edge) {
                     continue;
                 }

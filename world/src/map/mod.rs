@@ -2,14 +2,14 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`generate`] | a seeded town of streets and buildings |
+//! | `generate` | a seeded town of streets and buildings |
 //! | [`geojson`] | real towns from RFC 7946 files |
 //! | `repair` | outlines of real towns made valid |
 //! | `merge` | outlines that overlap made disjoint |
-//! | [`project`] | longitude and latitude to the local tangent plane |
+//! | `project` | longitude and latitude to the local tangent plane |
 //! | `causes` | warnings by cause |
-//! | [`count`] | what became of each feature of a file |
-//! | [`report`] | what can be wrong with a map, and what was put right |
+//! | `count` | what became of each feature of a file |
+//! | `report` | what can be wrong with a map, and what was put right |
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -18,28 +18,28 @@ use csat_proto::model::Ground;
 use serde::{Deserialize, Serialize};
 
 mod causes;
-pub mod count;
-pub mod generate;
+mod count;
+mod generate;
 pub mod geojson;
 mod merge;
-pub mod project;
+mod project;
 mod repair;
-pub mod report;
+mod report;
 
 pub use causes::by_cause;
 pub use count::{FeatureCount, LeftOut};
+pub use project::TangentPlane;
 pub use report::{FeatureRef, MapError, MapWarning};
 
 use crate::obstacle::Obstacle;
-use project::TangentPlane;
 
-/// Sides of a region, metres. Sets live on a grid of ±4095 m (`proto::region`), and cameras look
-/// farther than the region.
+/// Sides of a region, metres. The grid of sets spans ±4095 m (`proto::region`), and cameras look farther than
+/// the region.
 const SIZES_M: RangeInclusive<f64> = 20.0..=4000.0;
 
 pub use csat_proto::model::FLIGHT_CLEARANCE_M;
 
-/// No building is higher, metres.
+/// The greatest height of a building, metres.
 pub const MAX_HEIGHT_M: f64 = 1000.0;
 
 /// Where the town comes from.
@@ -53,13 +53,13 @@ pub enum MapKind {
     GeoJson,
 }
 
-/// What polygons are that no tag says anything about.
+/// What polygons without tags are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Untagged {
-    /// Buildings: the file holds nothing else, as the output of programs that find them in images.
+    /// Buildings, as in the output of programs that find buildings in images.
     Buildings,
-    /// Nothing.
+    /// They are ignored.
     Ignore,
 }
 
@@ -103,7 +103,7 @@ impl Default for MapConfig {
     }
 }
 
-/// What the rest of the scenario demands of a map.
+/// What the rest of the scenario requires of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapRules {
     /// Altitude of the lowest UAV, metres. Tops stay [`FLIGHT_CLEARANCE_M`] below; infinite where UAVs
@@ -129,18 +129,18 @@ impl MapRules {
 pub struct Map {
     /// The region of interest.
     pub ground: Ground,
-    /// What stands on it, clipped to it; disjoint but for rounding (a few µm).
+    /// The obstacles on it, clipped to it and disjoint up to rounding (a few µm).
     pub obstacles: Vec<Obstacle>,
     /// Centre lines of roads as mapped, `world`, metres: neither clipped nor clear of walls.
     pub roads: Vec<Vec<[f64; 2]>>,
-    /// Where on Earth the middle of the region is, [longitude, latitude] in degrees; `None` for a
-    /// town that is nowhere.
+    /// The position of the middle of the region on Earth, [longitude, latitude] in degrees; `None` for a
+    /// generated town.
     pub centre_deg: Option<[f64; 2]>,
-    /// The line that whoever shows the map has to show with it.
+    /// The attribution that has to be shown with the map.
     pub attribution: Option<String>,
-    /// What became of each feature of its file; of none for a town without one.
+    /// What became of each feature of its file; empty for a town without a file.
     pub count: FeatureCount,
-    /// What was put right or left out.
+    /// What was corrected or left out.
     pub warnings: Vec<MapWarning>,
 }
 
@@ -150,17 +150,17 @@ impl Map {
         self.obstacles.iter().map(Obstacle::area_m2).sum::<f64>() / self.ground.area_m2()
     }
 
-    /// From `world` to longitude and latitude and back; a town that is nowhere is put at (0, 0),
-    /// where nobody lives.
+    /// The tangent plane between `world` and longitude and latitude; a town without a position on Earth is at
+    /// (0, 0).
     pub fn plane(&self) -> TangentPlane {
         TangentPlane::new(self.centre_deg.unwrap_or_default())
     }
 }
 
-/// Generates or reads the town that `config` asks for; equal arguments (and files) give equal maps.
+/// Generates or reads the town of `config`; equal arguments (and files) give equal maps.
 ///
 /// # Errors
-/// Every mistake at once.
+/// All mistakes together.
 pub fn load(config: &MapConfig, rules: &MapRules, seed: u64) -> Result<Map, Vec<MapError>> {
     let errors = mistakes(config, rules);
     if !errors.is_empty() {
@@ -176,10 +176,10 @@ pub fn load(config: &MapConfig, rules: &MapRules, seed: u64) -> Result<Map, Vec<
     }
 }
 
-/// Reads the town from GeoJSON text, whatever file `config` names.
+/// Reads the town from GeoJSON text; the file that `config` names is not read.
 ///
 /// # Errors
-/// Every mistake at once.
+/// All mistakes together.
 pub fn from_geojson(
     config: &MapConfig,
     text: &str,
@@ -192,7 +192,7 @@ pub fn from_geojson(
     geojson::import(text, Ground { size_m: config.size_m }, rules, config.untagged)
 }
 
-/// The mistakes that show before any file is read.
+/// The mistakes that can be found without reading a file.
 pub fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
     let mut errors = Vec::new();
     let mut expect = |holds: bool, key: &'static str, got: String, expected: String| {

@@ -8,7 +8,8 @@ const A_M: f64 = 6_378_137.0;
 /// First eccentricity squared of WGS 84.
 const E2: f64 = 6.694_379_990_141_316e-3;
 
-/// Farther than this from the centre nothing is projected, degrees: the plane would fold.
+/// The greatest distance from the centre that is projected, degrees; far away the projection is not
+/// injective.
 const MAX_OFFSET_DEG: f64 = 1.0;
 
 /// The plane that touches the ellipsoid at a centre: x east, y north, metres.
@@ -24,7 +25,7 @@ impl TangentPlane {
         Self { centre_deg, centre_ecef: ecef(centre_deg) }
     }
 
-    /// Where it touches, `[longitude, latitude]` in degrees.
+    /// The centre, `[longitude, latitude]` in degrees.
     pub fn centre_deg(&self) -> [f64; 2] {
         self.centre_deg
     }
@@ -54,7 +55,7 @@ impl TangentPlane {
         let w2 = 1.0 - E2 * sin * sin;
         let (prime_vertical_m, meridian_m) = (A_M / w2.sqrt(), A_M * (1.0 - E2) / (w2 * w2.sqrt()));
         let mut lon_lat_deg = self.centre_deg;
-        // The error shrinks by the ratio of distance to radius each time: 10⁻³ at 10 km.
+        // Each iteration reduces the error by the ratio of distance to radius, 10⁻³ at 10 km.
         for _ in 0..6 {
             let Some(got) = self.project(lon_lat_deg) else { break };
             let rest: [f64; 2] = std::array::from_fn(|i| p_world[i] - got[i]);

@@ -1,4 +1,4 @@
-//! Outlines of real towns made valid, saying what was wrong.
+//! Makes outlines of real towns valid, with warnings.
 
 use geo::bool_ops::FillRule;
 use geo::orient::Direction;
@@ -7,7 +7,7 @@ use geo::{Area, BooleanOps, LineString, MultiPolygon, Orient, Polygon, Validatio
 use super::report::{FeatureRef, MapWarning};
 use crate::plane::Point;
 
-/// What encloses less is nothing, m². The smallest sheds are a hundred times larger.
+/// Polygons of less area are left out, m². The smallest sheds are a hundred times larger.
 pub(super) const MIN_AREA_M2: f64 = 0.01;
 
 /// The polygon of an outer ring and its holes (positions as in the file, projected to metres), as
@@ -41,14 +41,14 @@ pub(super) fn polygon(
     oriented(&shape)
 }
 
-/// The parts of `shape` worth keeping, oriented.
+/// The parts of `shape` that are large enough, oriented.
 pub(super) fn oriented(shape: &MultiPolygon<f64>) -> MultiPolygon<f64> {
     let mut shape = shape.orient(Direction::Default);
     shape.0.retain(|p| p.unsigned_area() > MIN_AREA_M2);
     shape
 }
 
-/// What one ring encloses; `None` when that is nothing.
+/// The area that one ring encloses, as valid polygons; `None` when there is none.
 fn ring(
     positions: &[Point],
     name: String,
@@ -87,8 +87,8 @@ fn ring(
     Some(shape)
 }
 
-/// Everything that a ring winds around, in simple parts: a bow-tie becomes two triangles, a spike
-/// vanishes, a loop is filled.
+/// All points that a ring winds around, as simple parts: a bow-tie becomes two triangles, a spike vanishes, a
+/// loop is filled.
 fn rebuilt(ring: &LineString<f64>) -> MultiPolygon<f64> {
     let polygon = Polygon::new(ring.clone(), Vec::new());
     let nothing = MultiPolygon(Vec::new());
@@ -144,7 +144,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the ring, what comes out is valid, and empty only with a warning.
+        /// For every ring the result is valid, and empty only with a warning.
         #[test]
         fn any_ring_is_repaired_or_reported(
             points in prop::collection::vec([0..12i32, 0..12i32], 0..12),

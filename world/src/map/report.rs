@@ -1,5 +1,5 @@
-//! What can be wrong with a map, and what was put right. Every entry names the feature, so that the
-//! file can be corrected.
+//! Errors of a map, and warnings of what was corrected. Every entry names the feature, so that the file can
+//! be corrected.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use super::count::LeftOut;
 /// A feature of a GeoJSON file.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FeatureRef {
-    /// Its 0-based place in `features`.
+    /// Its 0-based position in `features`.
     pub index: usize,
     /// Its `id`, if it has one.
     pub id: Option<String>,
@@ -31,14 +31,14 @@ impl std::fmt::Display for FeatureRef {
 /// Why there is no map.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MapError {
-    /// A value of the scenario that cannot work.
+    /// An impossible value of the scenario.
     #[error("{key}: got {got}, expected {expected}")]
     Config {
         /// The scenario key.
         key: &'static str,
         /// Its value.
         got: String,
-        /// What would do.
+        /// What is expected.
         expected: String,
     },
     /// The file could not be read.
@@ -46,7 +46,7 @@ pub enum MapError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The message of the system.
         reason: String,
     },
     /// The text is not JSON.
@@ -82,7 +82,7 @@ pub enum MapError {
         /// What the parser said.
         reason: String,
     },
-    /// More features like those named one by one.
+    /// Further invalid features, after those that are named one by one.
     #[error("{count} more features are no GeoJSON Features (RFC 7946 §3.2)")]
     MoreBadFeatures {
         /// How many.
@@ -115,7 +115,7 @@ pub enum MapError {
         /// Buildings and roads of which a position is outside the ranges of longitude and latitude.
         bad: usize,
     },
-    /// Polygons, and none of them is tagged as a building.
+    /// Polygons of which none is tagged as a building.
     #[error(
         "no building, and {count} polygon(s) without a `building` tag, the first: {feature}; \
          map.untagged = \"buildings\" makes them buildings, \"ignore\" flies without them"
@@ -141,7 +141,7 @@ pub enum MapError {
     },
 }
 
-/// What was put right or left out.
+/// What was corrected or left out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MapWarning {
     /// A ring did not end where it began.
@@ -182,7 +182,7 @@ pub enum MapWarning {
         /// Its number of positions.
         got: usize,
     },
-    /// A ring that encloses nothing.
+    /// A ring that encloses no area.
     #[error("{feature}: {ring} encloses {got_m2:.4} m²; left out")]
     ZeroArea {
         /// Which feature.
@@ -235,7 +235,7 @@ pub enum MapWarning {
         /// The height used instead, metres.
         used_m: f64,
     },
-    /// Something that does not reach down to the ground.
+    /// A building or part that does not reach down to the ground.
     #[error(
         "{feature}: begins {base_m} m above the ground and nothing stands under {area_m2:.0} m² of it; \
          built from the ground"
@@ -245,10 +245,10 @@ pub enum MapWarning {
         feature: FeatureRef,
         /// Height of its underside, metres.
         base_m: f64,
-        /// Area of what nothing is under, m².
+        /// Area without a building underneath, m².
         area_m2: f64,
     },
-    /// A building with parts that leave some of its outline free.
+    /// A building whose parts do not cover all of its outline.
     #[error(
         "{feature}: its {parts} part(s) leave {area_m2:.0} m² of the outline free; built that {used_m} m high"
     )]
@@ -257,7 +257,7 @@ pub enum MapWarning {
         feature: FeatureRef,
         /// How many parts it has.
         parts: usize,
-        /// Area of what they leave, m².
+        /// Area that they do not cover, m².
         area_m2: f64,
         /// The height used there, metres.
         used_m: f64,
@@ -275,11 +275,11 @@ pub enum MapWarning {
     /// Two buildings share ground.
     #[error("{feature} and {other} overlap by {area_m2:.2} m²; {what}")]
     Overlap {
-        /// The one.
+        /// One building.
         feature: FeatureRef,
-        /// The other.
+        /// The other building.
         other: FeatureRef,
-        /// How much they share, m².
+        /// The common area, m².
         area_m2: f64,
         /// What was done.
         what: &'static str,
@@ -296,7 +296,7 @@ pub enum MapWarning {
     /// The file has no drivable road.
     #[error("no drivable road in the file")]
     NoRoads,
-    /// A building that would stand in the way of the start.
+    /// A building that is too high near a start.
     #[error(
         "{name}: {got_m:.1} m high, {max_m} m allow UAVs to start within {radius_m} m; lowered"
     )]
@@ -307,7 +307,7 @@ pub enum MapWarning {
         got_m: f64,
         /// The height it was given, metres.
         max_m: f64,
-        /// So far about a start buildings are lowered, metres.
+        /// The radius about a start within which buildings are lowered, metres.
         radius_m: f64,
     },
     /// Generated buildings would reach the UAVs.

@@ -1,4 +1,5 @@
-//! From segments to a graph: cut clear of walls, joined into edges between junctions.
+//! From segments to a graph: parts too near to walls are cut out, the rest is joined into edges between
+//! junctions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,16 +10,16 @@ use super::{RoadEdge, RoadGraph, RoadRules};
 use crate::obstacle::Walls;
 use crate::plane::{Point, between, distance_m, interval_near_segment};
 
-/// Shorter leftovers of a cut are dropped, metres.
+/// Shorter pieces after a cut are dropped, metres.
 const MIN_PIECE_M: f64 = 0.01;
 
-/// The graph of what is usable of `segments`, which meet only at equal ends.
+/// The graph of the usable parts of `segments`, which meet only at equal ends.
 pub(super) fn graph(segments: &[Segment], walls: &Walls, rules: &RoadRules) -> RoadGraph {
-    let mut links = Links::default();
+    let mut links = RoadLinks::default();
     for &segment in segments {
         for [lo, hi] in clear_intervals(segment, walls, rules.clearance_m) {
             let [a, b] = segment;
-            // Ends that were not cut stay the very points that other segments share.
+            // Ends that are not cut stay bit-equal to those of other segments.
             let from = if lo == 0.0 { a } else { between(a, b, lo) };
             let to = if hi == 1.0 { b } else { between(a, b, hi) };
             if distance_m(from, to) > MIN_PIECE_M {
@@ -30,7 +31,7 @@ pub(super) fn graph(segments: &[Segment], walls: &Walls, rules: &RoadRules) -> R
     keep_long_networks(&links.nodes, edges, rules.min_network_m)
 }
 
-/// The parameters of the stretches of a segment that keep their distance to all walls.
+/// The parameters of the parts of a segment that keep their distance to all walls.
 fn clear_intervals([a, b]: Segment, walls: &Walls, clearance_m: f64) -> Vec<[f64; 2]> {
     let mut blocked: Vec<[f64; 2]> = Vec::new();
     let near: Vec<_> = walls.near_segment([a, b], clearance_m).map(|(_, edges)| edges).collect();
@@ -46,7 +47,7 @@ fn clear_intervals([a, b]: Segment, walls: &Walls, clearance_m: f64) -> Vec<[f64
         }
         from = hi.max(from);
     }
-    // What is far from all walls may still be inside a building: wholly or not at all.
+    // A part far from all walls may be inside a building: wholly or not at all.
     let inside = |[lo, hi]: [f64; 2]| {
         let middle = between(a, b, (lo + hi) / 2.0);
         near.iter().any(|edges| is_inside(*edges, middle))
@@ -57,14 +58,14 @@ fn clear_intervals([a, b]: Segment, walls: &Walls, clearance_m: f64) -> Vec<[f64
 
 /// Straight links between nodes, without repeats.
 #[derive(Default)]
-struct Links {
+struct RoadLinks {
     nodes: Vec<Point>,
     index: BTreeMap<[u64; 2], usize>,
     links: BTreeSet<[usize; 2]>,
     neighbours: Vec<Vec<usize>>,
 }
 
-impl Links {
+impl RoadLinks {
     fn node(&mut self, p: Point) -> usize {
         // + 0.0 turns −0 into 0: equal points have equal bits.
         let next = self.nodes.len();
@@ -84,13 +85,13 @@ impl Links {
         }
     }
 
-    /// Chains of links between nodes that are not mere bends (and whole rings), as node lists.
+    /// Chains of links between junctions and dead ends (and whole rings), as lists of nodes.
     fn chains(&self) -> Vec<Vec<usize>> {
         let mut left = self.links.clone();
         let mut chains = Vec::new();
         let bend = |node: usize| self.neighbours[node].len() == 2;
         let starts = (0..self.nodes.len()).filter(|&n| !bend(n));
-        // Rings without any junction start anywhere: at their first node, last of all.
+        // Rings without a junction start at their first node; they come last.
         for start in starts.chain(0..self.nodes.len()) {
             for &next in &self.neighbours[start] {
                 let mut chain = vec![start];

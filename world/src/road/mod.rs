@@ -8,21 +8,21 @@ mod noding;
 use crate::obstacle::Walls;
 use crate::plane::{Point, between, distance_m, minus};
 
-/// What makes a stretch of road usable.
+/// Which parts of roads are usable.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RoadRules {
+pub(crate) struct RoadRules {
     /// Roads end this far inside the border of the region, metres.
-    pub inset_m: f64,
-    /// Distance to every wall that usable roads exceed or equal, metres.
-    pub clearance_m: f64,
+    pub(crate) inset_m: f64,
+    /// The least distance of usable roads to every wall, metres.
+    pub(crate) clearance_m: f64,
     /// Connected pieces of road shorter than this are left out, metres.
-    pub min_network_m: f64,
+    pub(crate) min_network_m: f64,
 }
 
-/// A stretch of road between two nodes without a junction on it.
+/// A part of a road between two nodes without a junction on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoadEdge {
-    /// Where it begins and ends; equal for a loop.
+    /// The nodes at its ends; equal for a loop.
     pub nodes: [usize; 2],
     /// The centre line, `world`, metres; at least two points.
     pub line: Vec<[f64; 2]>,
@@ -48,7 +48,7 @@ impl RoadEdge {
 
     /// The point at arc length `along_m` (clamped to the edge) and the direction of the line there,
     /// radians from east.
-    pub fn at(&self, along_m: f64) -> ([f64; 2], f64) {
+    pub(crate) fn at(&self, along_m: f64) -> ([f64; 2], f64) {
         let last = self.line.len() - 2;
         let segment = self.along_m.partition_point(|&s| s <= along_m).saturating_sub(1).min(last);
         let (a, b) = (self.line[segment], self.line[segment + 1]);
@@ -59,13 +59,13 @@ impl RoadEdge {
     }
 }
 
-/// One end of an edge: which edge, and whether it leaves the node along the edge's own direction.
+/// One end of an edge at a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Arm {
+pub(crate) struct Arm {
     /// The edge.
-    pub edge: usize,
+    pub(crate) edge: usize,
     /// True at the beginning of the edge.
-    pub forward: bool,
+    pub(crate) forward: bool,
 }
 
 /// The usable roads of a town. Every point of every edge keeps its distance to all walls.
@@ -77,9 +77,9 @@ pub struct RoadGraph {
 }
 
 impl RoadGraph {
-    /// The usable part of `polylines` (centre lines, `world`, metres): clipped to the region, joined where they meet or cross, cut
-    /// where they come too close to a wall. Equal arguments give equal graphs.
-    pub fn build(
+    /// The usable part of `polylines` (centre lines, `world`, metres): clipped to the region, joined where
+    /// they meet or cross, cut where they are too close to a wall. Equal arguments give equal graphs.
+    pub(crate) fn build(
         ground: &Ground,
         polylines: &[Vec<[f64; 2]>],
         walls: &Walls,
@@ -99,17 +99,18 @@ impl RoadGraph {
     }
 
     /// Junctions and dead ends, `world`, metres.
-    pub fn nodes(&self) -> &[[f64; 2]] {
+    #[cfg(test)]
+    pub(crate) fn nodes(&self) -> &[[f64; 2]] {
         &self.nodes
     }
 
-    /// Stretches between them.
+    /// The edges between them.
     pub fn edges(&self) -> &[RoadEdge] {
         &self.edges
     }
 
-    /// The ways out of a node, by increasing edge.
-    pub fn arms(&self, node: usize) -> &[Arm] {
+    /// The arms of a node, by increasing edge.
+    pub(crate) fn arms(&self, node: usize) -> &[Arm] {
         self.arms.get(node).map_or(&[], Vec::as_slice)
     }
 
@@ -120,7 +121,7 @@ impl RoadGraph {
 
     /// The edge and the arc length on it at `along_m` of the total length, as if all edges were
     /// laid end to end; `None` beyond it.
-    pub fn locate(&self, along_m: f64) -> Option<(usize, f64)> {
+    pub(crate) fn locate(&self, along_m: f64) -> Option<(usize, f64)> {
         let mut rest = along_m;
         for (index, edge) in self.edges.iter().enumerate() {
             if rest <= edge.length_m() {
@@ -178,7 +179,7 @@ mod tests {
             &[
                 &[[0.0, 0.0], [50.0, 0.0]],
                 &[[50.0, 0.0], [90.0, 30.0]],
-                // Ends 5 cm off the first road's middle, and 5 cm short of its end.
+                // Ends 5 cm from the middle of the first road, and 5 cm before its end.
                 &[[25.0, 0.05], [25.0, 40.0]],
                 &[[50.0, -0.05], [50.0, -40.0]],
             ],
@@ -195,7 +196,7 @@ mod tests {
         // The clearance disc about the corner (0, 2) meets y = 0 at ∓√(2.55² − 2²).
         let reach = (2.55f64 * 2.55 - 4.0).sqrt();
         assert!((graph.length_m() - (160.0 - 10.0 - 2.0 * reach)).abs() < 1e-9);
-        // All of the inside is forbidden, however far from its walls.
+        // All of the inside is forbidden, at any distance from its walls.
         let graph = build(&[road], &[wall(-40.0, -40.0, 80.0)]);
         assert!((graph.length_m() - 2.0 * (80.0 - 42.55)).abs() < 1e-9);
         assert_eq!(

@@ -7,8 +7,8 @@ use crate::plane::{
     minus,
 };
 
-/// Ends this near to another road join it, metres. Nodes that OpenStreetMap shares are equal; only
-/// careless drawing needs this.
+/// Ends this near to another road join it, metres. Roads that share a node in OpenStreetMap have equal ends;
+/// this corrects inexact drawing.
 const SNAP_M: f64 = 0.2;
 
 /// A piece of centre line.
@@ -63,7 +63,7 @@ fn cuts(segments: &[Segment]) -> Vec<Vec<f64>> {
     let mut cuts = vec![vec![1.0]; segments.len()];
     let boxes: Vec<Option<Bounds>> =
         segments.iter().map(|s| Bounds::around(*s).map(|b| b.grown(SNAP_M))).collect();
-    // Sweep from west to east, so that large maps need not compare all pairs.
+    // A sweep from west to east avoids the comparison of all pairs.
     let west = |i: usize| boxes[i].map_or(f64::INFINITY, |b| b.min[0]);
     let mut order: Vec<usize> = (0..segments.len()).collect();
     order.sort_by(|&i, &j| west(i).total_cmp(&west(j)));
@@ -86,7 +86,7 @@ fn cuts(segments: &[Segment]) -> Vec<Vec<f64>> {
     cuts
 }
 
-/// The parameter of the point of a segment nearest to `p`, when it is near enough to join.
+/// The parameter of the point of a segment that is nearest to `p`, if it is near enough to join.
 fn foot([a, b]: Segment, p: Point) -> Option<f64> {
     if distance_to_segment_m(p, a, b) > SNAP_M {
         return None;

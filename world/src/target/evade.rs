@@ -1,7 +1,7 @@
-//! Cars that drive as badly as the model allows: off the roads, at v_max, with an eye on the UAVs.
+//! Cars that evade: off the roads, at v_max, in reaction to the UAVs, as far as the model allows.
 //!
-//! The guarantee presumes of a car only v_max, the separations (3.8) and (3.11) and the region. Cars on
-//! roads, at half of v_max on the mean, leave most of that unused; these use all of it.
+//! The guarantee assumes v_max, the separations (3.8) and (3.11) and the region of a car, and no more. Cars
+//! on roads drive at half of v_max on average and use little of that freedom; these cars use all of it.
 
 use std::f64::consts::TAU;
 
@@ -16,17 +16,17 @@ use crate::plane::{Point, between, distance_m, distance_to_segment_m};
 
 /// Headings that a car chooses from in each period.
 const HEADINGS: u32 = 16;
-/// Distance between the places on a car's way that have to be free, metres.
+/// Distance between the places on a car's way that are checked, metres.
 const WAY_STEP_M: f64 = 1.0;
 
-/// What a car wants.
+/// How a car evades.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Manner {
     /// Straight on; along a wall where one is in the way.
     Straight,
     /// Away from the nearest UAV.
     Flee,
-    /// Out of all footprints, and into the ground that the nearest one has just left.
+    /// Out of all footprints, and onto the ground that the nearest UAV has just seen.
     Tail,
 }
 
@@ -67,7 +67,7 @@ impl Watcher {
     }
 }
 
-/// Where cars may drive, and who looks for them.
+/// Where cars may drive, and the UAVs that look for them.
 pub(crate) struct Chase<'a> {
     /// The region, without the strip along its border that cars keep out of.
     pub(crate) ground: Ground,
@@ -80,8 +80,8 @@ pub(crate) struct Chase<'a> {
 }
 
 /// Where a car could be at the end of a period.
-struct Way {
-    /// Whether a UAV sees it there, then what the car minds.
+struct CarMove {
+    /// Whether a UAV sees the car there, then the cost by the manner of the car.
     cost: (u8, f64),
     course_rad: f64,
     to: Point,
@@ -93,7 +93,7 @@ impl Chase<'_> {
             && self.walls.nearest_within(place, self.clearance_m.next_up()).is_none()
     }
 
-    /// What a car of this manner gives for getting to `place` by a turn of `turn_rad`: the least wins.
+    /// The cost, for a car of this manner, of `place` after a turn of `turn_rad`; the car takes the least.
     fn cost(&self, manner: Manner, place: Point, turn_rad: f64) -> (u8, f64) {
         let by_distance = |a: &&Watcher, b: &&Watcher| {
             distance_m(a.p_world, place).total_cmp(&distance_m(b.p_world, place))
@@ -121,11 +121,11 @@ impl Traffic {
     pub(crate) fn evade(&mut self, chase: &Chase<'_>, period_s: f64) {
         for index in 0..self.cars.len() {
             let from = self.truths[index].location;
-            let ways = self.ways(index, chase, period_s);
-            let way = ways.into_iter().find(|way| self.is_free(index, chase, from, way.to));
-            if let Some(way) = way {
-                self.cars[index].course_rad = way.course_rad;
-                self.truths[index].location = way.to;
+            let moves = self.moves(index, chase, period_s);
+            let next = moves.into_iter().find(|next| self.is_free(index, chase, from, next.to));
+            if let Some(next) = next {
+                self.cars[index].course_rad = next.course_rad;
+                self.truths[index].location = next.to;
             }
             let course_rad = self.cars[index].course_rad;
             let heading_rad = &mut self.truths[index].heading_rad;
@@ -133,27 +133,27 @@ impl Traffic {
         }
     }
 
-    /// Where a car could be after a period at its speed, what it prefers first.
-    fn ways(&mut self, index: usize, chase: &Chase<'_>, period_s: f64) -> Vec<Way> {
+    /// Where a car could be after a period at its speed, by increasing cost.
+    fn moves(&mut self, index: usize, chase: &Chase<'_>, period_s: f64) -> Vec<CarMove> {
         let TargetTruth { location: [x, y], speed_m_s, .. } = self.truths[index];
         let reach_m = speed_m_s * period_s;
         let Car { rng, manner, course_rad, .. } = &mut self.cars[index];
         let step_rad = TAU / f64::from(HEADINGS);
         let offset_rad = rng.random_range(0.0..step_rad);
         let fan = (0..HEADINGS).map(|i| offset_rad + step_rad * f64::from(i));
-        let way = |turn_rad: f64| {
+        let next = |turn_rad: f64| {
             let course_rad = *course_rad + turn_rad;
             let (sin, cos) = course_rad.sin_cos();
             let to = [x + reach_m * cos, y + reach_m * sin];
             let cost = chase.cost(*manner, to, turned(0.0, turn_rad, TAU));
-            Way { cost, course_rad: turned(0.0, course_rad, TAU), to }
+            CarMove { cost, course_rad: turned(0.0, course_rad, TAU), to }
         };
-        // Straight on exactly is one of them.
-        let mut ways: Vec<Way> = std::iter::once(0.0).chain(fan).map(way).collect();
-        ways.sort_by(|Way { cost: a, .. }, Way { cost: b, .. }| {
+        // Exactly straight on is one of them.
+        let mut moves: Vec<CarMove> = std::iter::once(0.0).chain(fan).map(next).collect();
+        moves.sort_by(|CarMove { cost: a, .. }, CarMove { cost: b, .. }| {
             a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
         });
-        ways
+        moves
     }
 
     /// Whether a car may drive straight from a place to another.

@@ -57,7 +57,7 @@ fn a_blocked_car_waits_then_turns_round() {
     let roads = roads(&[&[[-50.0, 0.0], [50.0, 0.0]]]);
     let mut traffic = Traffic::place(&roads, 1, &model(2), 1).unwrap();
     for (index, (along_m, speed)) in [(50.0, 1.0), (58.2, 0.0)].into_iter().enumerate() {
-        traffic.cars[index].place = Place { arm: Arm { edge: 0, forward: true }, along_m };
+        traffic.cars[index].place = RoadPlace { arm: Arm { edge: 0, forward: true }, along_m };
         traffic.truths[index].location = traffic.cars[index].place.point(&roads);
         traffic.truths[index].speed_m_s = speed;
     }
@@ -110,7 +110,7 @@ proptest! {
         prop_assert!((partly - to).cos() >= (from - to).cos() - 1e-12);
     }
 
-    /// Crowded roads: whatever happens, the separation, the speed and the roads are kept.
+    /// On crowded roads too, cars keep their separation, their speed and the roads.
     #[test]
     fn crowds_keep_apart(seed: u64, count in 2..20u16) {
         let roads = roads(&[

@@ -78,7 +78,7 @@ fn messages_are_conserved() {
     assert_eq!(json["fault"]["counts"]["sent"], 10);
 }
 
-/// Over a roof, beside it and through it, also between two checks.
+/// Flights over a roof, beside it and through it, also between two checks.
 #[test]
 fn uavs_keep_their_clearance_from_buildings() {
     let at = |x: f64, y: f64, z: f64| Pose::level([x, y, z], 0.0);

@@ -1,4 +1,4 @@
-//! The mistakes of a scenario that show before anything is built.
+//! Checks of a scenario before the world is built.
 
 use csat_proto::model::{FLIGHT_CLEARANCE_M, FleetModel, Ground};
 
@@ -9,7 +9,7 @@ pub(super) fn lowest_altitude_m(fleet: &FleetModel) -> f64 {
     fleet.altitude_of(0).min(fleet.altitude_of(fleet.count.saturating_sub(1)))
 }
 
-/// The mistakes in all tables but `[map]`.
+/// The mistakes in all tables except `[map]`.
 pub(super) fn mistakes(config: &WorldConfig) -> Vec<WorldError> {
     let WorldConfig { targets, fleet, period_s, .. } = config;
     let ground = Ground { size_m: config.map.size_m };
@@ -43,7 +43,7 @@ pub(super) fn mistakes(config: &WorldConfig) -> Vec<WorldError> {
     let band = fleet.altitude_band_m;
     expect(positive(band), "agents.altitude_band_m", &band, "a number above 0, in metres");
     if fleet.avoid_buildings {
-        // Where it starts a UAV flies over what stands there; elsewhere `map` judges the altitude.
+        // At its start a UAV flies over the buildings there; elsewhere `map` checks the altitude.
         let (lowest_m, least_m) = (lowest_altitude_m(fleet), FLIGHT_CLEARANCE_M + 1.0);
         let expected = format!("more than {least_m} m for the lowest UAV");
         expect(lowest_m > least_m, "agents.altitude_m", &lowest_m, &expected);

@@ -13,10 +13,10 @@ pub const MAX_STATIONS: usize = 64;
 /// The most agents, UAVs and stations together.
 pub const MAX_AGENTS: usize = 1024;
 
-/// What is no longer on a wall but beside it, metres.
+/// A station within this distance of a wall is in the building, metres.
 const ON_WALL_M: f64 = 1e-6;
 
-/// Why ground stations cannot be where they are to be.
+/// Why a ground station cannot be at its place.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StationError {
     /// Too many, or too many agents.
@@ -30,7 +30,7 @@ pub enum StationError {
         /// N^u.
         uavs: u16,
     },
-    /// A coordinate that is no number, or too far away.
+    /// A coordinate that is not a number, or too far away.
     #[error("stations[{index}] cannot have {axis} = {got}: expected {low} m to {high} m")]
     Far {
         /// Its place in the list.
@@ -58,15 +58,15 @@ pub enum StationError {
         y_m: f64,
         /// Height, metres.
         z_m: f64,
-        /// What the map calls the building.
+        /// The name of the building.
         name: String,
-        /// How high the building is, metres.
+        /// The height of the building, metres.
         roof_m: f64,
     },
 }
 
 impl StationError {
-    /// The station's place in the list; `None` where it is their number.
+    /// The station's position in the list; `None` where their number is wrong.
     pub fn index(&self) -> Option<usize> {
         match self {
             Self::TooMany { .. } => None,
@@ -75,7 +75,7 @@ impl StationError {
     }
 }
 
-/// The mistakes that show without a map.
+/// The mistakes that can be found without a map.
 pub(super) fn far_away(stations: &[Station], uavs: u16, ground: &Ground) -> Vec<StationError> {
     let mut errors = Vec::new();
     let agents = stations.len() + usize::from(uavs);
@@ -83,7 +83,7 @@ pub(super) fn far_away(stations: &[Station], uavs: u16, ground: &Ground) -> Vec<
         errors.push(StationError::TooMany { stations: stations.len(), uavs });
     }
     if !ground.size_m.iter().all(|size_m| size_m.is_finite()) {
-        // Which is the mistake.
+        // The size of the region is reported elsewhere.
         return errors;
     }
     let [east_m, north_m] = ground.size_m.map(|size_m| size_m / 2.0 + MAX_OUTSIDE_M);
@@ -105,7 +105,7 @@ pub(super) fn far_away(stations: &[Station], uavs: u16, ground: &Ground) -> Vec<
     errors
 }
 
-/// The stations that are inside of buildings. On a roof is above it: an antenna has a height.
+/// The stations that are inside of buildings. A station on a roof has to be above it.
 pub(super) fn indoors(
     stations: &[Station],
     walls: &Walls,

@@ -1,4 +1,4 @@
-//! Holds the renderer against the oracle.
+//! Compares the renderer with the oracle.
 
 use csat_proto::camera::{CameraView, Pose};
 use csat_proto::frame::Label;
@@ -12,11 +12,11 @@ use rand_chacha::ChaCha8Rng;
 #[derive(Debug, Default, Clone, Copy)]
 pub struct Count {
     pub pixels: usize,
-    /// Labelled otherwise than Unknown.
+    /// Pixels with a label other than Unknown.
     pub known: usize,
-    /// Unknown although all samples agree.
+    /// Unknown pixels whose samples all agree.
     pub conservative: usize,
-    /// Of these, those that no denser sampling explains.
+    /// Of these, those that denser sampling does not explain.
     pub unexplained: usize,
 }
 
@@ -33,7 +33,7 @@ impl Count {
     }
 }
 
-/// What the renderer says all rays of a pixel meet.
+/// The thing that, by the renderer, all rays of a pixel meet.
 fn claim(seen: &Classified, pixel: usize) -> Option<Hit> {
     let entity = seen.entity(pixel);
     match (seen.labels()[pixel], entity) {
@@ -81,8 +81,8 @@ impl<'a> Check<'a> {
         );
     }
 
-    /// Every claim against `k + 1` x `k + 1` rays per pixel, borders and corners included, and
-    /// every Unknown without visible cause counted.
+    /// Checks every label against `k + 1` x `k + 1` rays per pixel, borders and corners included, and counts
+    /// Unknown pixels without visible cause.
     pub fn grid(&self, seen: &Classified, k: usize) -> Count {
         let width = self.columns * k + 1;
         let step = 1.0 / k as f64;
@@ -125,8 +125,8 @@ impl<'a> Check<'a> {
         assert!(error < 1e-6, "{}: rho {rho_m} m, oracle {distance_m} m at {c}, {r}", self.name);
     }
 
-    /// Whether denser rays, or rays just outside, show why a pixel is Unknown: something else, what
-    /// is too far, or a jump in depth.
+    /// Whether denser rays, or rays just outside, show why a pixel is Unknown: another entity, a distance
+    /// beyond d_max, or a jump in depth.
     fn is_at_silhouette(&self, column: usize, row: usize) -> bool {
         const N: usize = 40;
         const RIM: f64 = 1e-3;

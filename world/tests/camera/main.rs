@@ -1,4 +1,4 @@
-//! The renderer against the oracle, pixel by pixel, and what a frame promises.
+//! The renderer against the oracle, pixel by pixel, and the properties of frames.
 
 mod check;
 mod frames;
@@ -21,7 +21,7 @@ pub fn check_view(name: String, scene: &Scene, model: CameraModel, pose: Pose, k
     check.grid(&seen, k)
 }
 
-/// How a sweep draws where the camera is.
+/// How a sweep draws the pose of the camera.
 type Draw = fn(&mut ChaCha8Rng, &Scene) -> Pose;
 
 fn sweep(seeds: std::ops::Range<u64>, draw: Draw, columns: u16, rows: u16, k: usize) -> Count {

@@ -1,4 +1,4 @@
-//! Random towns and poses, rich in what is hard to render.
+//! Random towns and poses with many cases that are hard to render.
 
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::ids::TargetId;
@@ -57,7 +57,7 @@ fn star(rng: &mut ChaCha8Rng, n: usize, low: f64, high: f64) -> Ring {
         .collect()
 }
 
-/// Fills a square cell of 20 m with something; leaves at least 0.2 m at its border.
+/// Adds obstacles to a square cell of 20 m; leaves at least 0.2 m at its border.
 fn fill_cell(town: &mut Town, rng: &mut ChaCha8Rng, centre: [f64; 2]) {
     let angle = if rng.random_bool(0.4) { 0.0 } else { rng.random_range(0.0..6.3) };
     let height = |rng: &mut ChaCha8Rng| {
@@ -114,7 +114,7 @@ fn fill_cell(town: &mut Town, rng: &mut ChaCha8Rng, centre: [f64; 2]) {
             town.add(vec![at(&ring)], h);
         }
         5 => {
-            // Two that share part of a wall.
+            // Two buildings that share part of a wall.
             let shift = rng.random_range(-4.0..4.0);
             let a = [[-5.0, -5.0], [0.0, -5.0], [0.0, 5.0], [-5.0, 5.0]];
             let b = [[0.0, -3.0 + shift], [6.0, -3.0 + shift], [6.0, 3.0], [0.0, 3.0]];
@@ -177,7 +177,7 @@ pub fn model(rng: &mut ChaCha8Rng, columns: u16, rows: u16) -> CameraModel {
     }
 }
 
-/// A pose above the town: anywhere, above a roof, or at a round place and attitude.
+/// A pose above the town: anywhere, above a roof, or with rounded position and attitude.
 pub fn pose(rng: &mut ChaCha8Rng, scene: &Scene) -> Pose {
     let top = scene.prisms.iter().fold(0.0f64, |top, prism| top.max(prism.height_m));
     let mut place = [rng.random_range(-90.0..90.0), rng.random_range(-90.0..90.0)];
@@ -224,7 +224,7 @@ pub fn pose_among(rng: &mut ChaCha8Rng, scene: &Scene) -> Pose {
         place = [a[0] + t * dx + off * dy, a[1] + t * dy - off * dx];
     }
     let is_in = |prism: &Prism| prism.height_m > z - 0.01 && is_inside(prism, place);
-    // A camera in a wall sees nothing.
+    // A camera in a wall is not allowed.
     if scene.prisms.iter().any(is_in) {
         return above;
     }

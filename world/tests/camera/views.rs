@@ -1,4 +1,4 @@
-//! Views that are hard in one particular way.
+//! Views with one difficulty each.
 
 use csat_proto::camera::{Assumption, CameraModel, Pose};
 use csat_proto::frame::Label;
@@ -34,7 +34,7 @@ fn block(centre: [f64; 2], size: [f64; 2], height_m: f64) -> Scene {
 /// Renders and checks against 9 x 9 rays per pixel and rays around all edges.
 fn view(name: &str, scene: &Scene, model: CameraModel, pose: Pose) -> Classified {
     let count = check(name.to_owned(), scene, model, pose, 8);
-    // What is thinner than the spacing of samples, and reflex creases at d_max.
+    // Parts thinner than the spacing of samples, and reflex creases at d_max.
     assert!(count.unexplained <= 10, "{name}: {count:?}");
     Renderer::new(model).render(scene, &pose).clone()
 }
@@ -67,7 +67,7 @@ fn sky_and_horizon_are_unknown() {
     assert_eq!(seen.rho_m(0), f64::INFINITY);
 }
 
-/// The case that sampling the corners and the centre misses.
+/// A case that samples at the corners and the centre do not detect.
 #[test]
 fn roof_corner_pokes_into_a_pixel_through_one_side() {
     let model = NADIR;
@@ -314,7 +314,7 @@ fn closed_rings_and_repeated_points_change_nothing() {
     let pose = Pose::level([0.0, 0.0, 40.0], 0.1);
     let (a, b) = (&mut Renderer::new(SMALL), &mut Renderer::new(SMALL));
     assert_eq!(a.render(&clean, &pose).labels(), b.render(&messy, &pose).labels());
-    // Nothing at all is no prism; it must not panic.
+    // A prism without points must not cause a panic.
     messy.prisms[0].rings = vec![vec![], vec![[1.0, 1.0]]];
     b.render(&messy, &pose);
 }

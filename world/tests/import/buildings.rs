@@ -69,7 +69,7 @@ fn overlaps_are_resolved_and_named() {
     assert!((area_m2(&map) - 175.0).abs() < 0.02);
 }
 
-/// Height over a place; 0 where nothing stands.
+/// The height at a place; 0 without an obstacle.
 fn height_at(map: &Map, p: [f64; 2]) -> f64 {
     let walls = csat_world::obstacle::Walls::new(&map.obstacles);
     walls.nearest_within(p, 1e-3).map_or(0.0, |(index, _)| map.obstacles[index].height_m)
@@ -88,7 +88,7 @@ fn parts_are_built_and_the_outline_is_not() {
     assert_eq!((map.count.buildings, map.count.parts), (0, 2));
     assert_eq!((height_at(&map, [5.0, 10.0]), height_at(&map, [15.0, 10.0])), (6.0, 40.0));
 
-    // A part of unknown height is as high as its building; `no` is none.
+    // A part without a height is as high as its building; a part with the value `no` is left out.
     let bare = tall(building(&[&half(0.0)]), json!({ "building:part": "yes" }));
     let none = tall(building(&[&half(10.0)]), json!({ "building:part": "no", "height": "9" }));
     let map = with_road(vec![outline, bare, none]);
@@ -116,7 +116,7 @@ fn ground_that_no_part_covers_is_built_and_told() {
         );
         assert_eq!((map.count.buildings, map.count.parts), (1, 1));
     }
-    // The height of the whole tells nothing of the rest: it is like the lowest part.
+    // The height of the whole building is not that of the rest, which is as high as the lowest part.
     let low = tall(
         building(&[&square(15.0, 5.0, 9.0)]),
         json!({ "building:part": "yes", "height": "8" }),
@@ -125,7 +125,7 @@ fn ground_that_no_part_covers_is_built_and_told() {
         tall(building(&[&square(0.0, 0.0, 30.0)]), json!({ "building": "yes", "height": "40" }));
     let map = with_road(vec![whole, tower, low]);
     assert_eq!((height_at(&map, [25.0, 25.0]), height_at(&map, [9.0, 9.0])), (8.0, 40.0));
-    // A gap of drawing is none.
+    // A gap that is an error of drawing is ignored.
     let tags = json!({ "building": "yes" });
     let part = tall(
         building(&[&square(0.2, 0.2, 29.6)]),
@@ -133,7 +133,7 @@ fn ground_that_no_part_covers_is_built_and_told() {
     );
     let map = with_road(vec![tall(building(&[&square(0.0, 0.0, 30.0)]), tags), part.clone()]);
     assert_eq!((map.obstacles.len(), &map.warnings[..]), (1, &[][..]));
-    // Without a building around it, a part is one.
+    // A part without a building around it is a building.
     let map = with_road(vec![part]);
     assert_eq!((height_at(&map, [9.0, 9.0]), map.count.parts), (7.0, 1));
 }
@@ -154,7 +154,7 @@ fn what_begins_above_the_ground_is_built_from_the_ground() {
         "{:?}",
         map.warnings
     );
-    // Within one building they stand on each other without a word.
+    // Within one building parts may stand on each other without a warning.
     let map = with_road(vec![outlined, podium.clone(), on(10.0, upper)]);
     assert_eq!(map.warnings, []);
     // The upper one reaches 5 m x 20 m and 15 m x 5 m beyond the podium.
@@ -164,7 +164,7 @@ fn what_begins_above_the_ground_is_built_from_the_ground() {
     assert_eq!(height_at(&map, [22.0, 22.0]), 27.0);
     let floating = |w: &&MapWarning| matches!(w, MapWarning::Floating { base_m: 6.0, area_m2, .. } if (area_m2 - 175.0).abs() < 0.1);
     assert_eq!(map.warnings.iter().filter(floating).count(), 1, "{:?}", map.warnings);
-    // A roof on columns is a building down to the ground.
+    // A roof on columns is built down to the ground.
     let canopy =
         tall(building(&[&SQUARE]), json!({ "building": "roof", "height": "5", "min_height": "4" }));
     let map = with_road(vec![canopy]);

@@ -1,4 +1,4 @@
-//! What becomes of each feature.
+//! The counts of what became of each feature.
 
 use csat_world::map::{LeftOut, MapError, MapWarning, Untagged};
 use serde_json::{Value, json};
@@ -29,7 +29,7 @@ fn geometry_of_no_or_the_wrong_kind_is_left_out() {
     );
 }
 
-/// What is empty is called empty, not outside the region.
+/// An empty geometry is reported as empty, not as outside the region.
 #[test]
 fn empty_geometry_is_left_out_as_what_it_is() {
     for (tag, kind, coordinates) in [
@@ -66,7 +66,7 @@ fn tags_that_are_neither_text_nor_true_are_named() {
         let odd = feature(tags, polygon.clone());
         let map = with_road(vec![building(&[&SQUARE]), odd]);
         if key == "highway" {
-            // A flag says that there is a road, not which.
+            // `true` does not say which kind of road it is.
             assert_eq!(left_out(&map), [(LeftOut::OtherKind, 1)]);
             continue;
         }
@@ -133,7 +133,7 @@ fn polygons_without_tags_are_told_of_and_may_be_buildings() {
     assert_eq!(left_out(&map), [(LeftOut::OtherKind, 1)]);
     assert_eq!(map.obstacles[0].height_m, 12.3);
 
-    // Beside tagged buildings they are a warning.
+    // Beside tagged buildings, untagged polygons are a warning.
     let map = with_road(vec![building(&[&SQUARE]), plain.clone()]);
     assert_eq!(map.obstacles[0].height_m, 9.0);
     let warning = map.warnings[0].to_string();
@@ -178,7 +178,7 @@ fn every_feature_is_accounted_for() {
     assert_eq!(text.lines().count(), 15);
 }
 
-/// A fault that a whole file has is one line.
+/// A mistake in all features of a file is reported in one line.
 #[test]
 fn warnings_of_one_cause_are_one_line() {
     let houses = (0..9).map(|i| {

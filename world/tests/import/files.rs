@@ -1,4 +1,4 @@
-//! What a file can be, and what it cannot.
+//! Valid and invalid files.
 
 use csat_world::map::{MapError, MapWarning};
 use proptest::prelude::*;
@@ -49,7 +49,7 @@ fn what_is_not_geojson_is_an_error() {
     }
 }
 
-/// What editors, streams and exporters make of the same town.
+/// The same town as editors, streams and exporters write it.
 #[test]
 fn the_same_town_is_read_from_every_kind_of_file() {
     let [house, road] = [building(&[&SQUARE]), road(&ROAD)];
@@ -108,7 +108,7 @@ fn projected_files_are_one_mistake_and_their_crs_is_named() {
         matches!(&errors[..], [MapError::ForeignCrs { got, bad: 30, features: 30 }] if got == "EPSG:3857"),
         "{errors:?}"
     );
-    // Numbers that could be degrees are refused all the same.
+    // Numbers that could be degrees are refused as well.
     let errors = read(&town(named("urn:ogc:def:crs:EPSG::2154"), 1.0)).unwrap_err();
     assert!(matches!(&errors[..], [MapError::ForeignCrs { bad: 0, .. }]), "{errors:?}");
     assert!(read(&town(named("urn:ogc:def:crs:OGC:1.3:CRS84"), 1.0)).is_ok());
@@ -147,7 +147,7 @@ fn every_broken_feature_is_named_at_once() {
             if feature.name.as_deref() == Some("Hall") && got[0] == 385_000.0),
         "{last}"
     );
-    // Thousands of them are no thousand lines.
+    // Thousands of mistakes are not reported one by one.
     let errors = read(&collection(json!(vec![5; 3000]))).unwrap_err();
     assert_eq!(errors.len(), 9);
     assert_eq!(errors[8], MapError::MoreBadFeatures { count: 2992 });

@@ -1,4 +1,4 @@
-//! Everything that can be wrong with a GeoJSON map, each by the smallest file that shows it.
+//! All mistakes of a GeoJSON map, each with the smallest file that has it.
 
 use csat_proto::model::Ground;
 use csat_world::map::geojson::import;

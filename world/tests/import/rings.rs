@@ -50,7 +50,7 @@ fn rings_of_nothing_are_left_out() {
     let line = [[0.0, 0.0], [10.0, 0.0], [20.0, 0.0], [0.0, 0.0]];
     let map = with_road(vec![building(&[&line])]);
     assert!(matches!(map.warnings[..], [MapWarning::ZeroArea { .. }, MapWarning::NoBuildings]));
-    // A hole that is none leaves the building whole.
+    // A hole without area leaves the building whole.
     let map = with_road(vec![building(&[&SQUARE, &line])]);
     assert!(matches!(&map.warnings[..], [MapWarning::ZeroArea { ring, .. }] if ring == "hole 1"));
     assert!((area_m2(&map) - 100.0).abs() < 0.01);

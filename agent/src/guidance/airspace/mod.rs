@@ -42,7 +42,7 @@ use crate::mutant::{Mutant, is_on};
 mod seen;
 mod ways;
 
-use seen::Seen;
+use seen::SeenGround;
 use ways::Circling;
 pub use ways::{WayOut, Ways};
 
@@ -107,7 +107,7 @@ impl Airspace {
         if let Some(launch_m) = self.launch_m.filter(|_| frame.step == Step(0)) {
             self.clear_disc([frame.pose.p_world[0], frame.pose.p_world[1]], launch_m);
         }
-        Seen::through(view, frame).clear_from(&mut self.unknown);
+        SeenGround::through(view, frame).clear_from(&mut self.unknown);
     }
 
     /// The cells, and those that are not known to be free.

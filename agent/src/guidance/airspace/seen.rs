@@ -14,28 +14,28 @@ const BINS: f64 = 256.0;
 const MOST: f64 = 4.0;
 
 /// Ground that is seen in all directions of a bin: from and to, metres ahead.
-type Span = [f64; 2];
+type GroundSpan = [f64; 2];
 
 /// The farthest and the nearest ground that is seen, direction by direction.
-pub(super) struct Seen {
+pub(super) struct SeenGround {
     /// Below the camera, `world`, metres.
-    foot: [f64; 2],
+    nadir: [f64; 2],
     /// Of the heading.
     cos_sin: [f64; 2],
     /// Airspace at less than this share of the way to ground that is seen is not proven to be free with
     /// the clearance below.
     least_share: f64,
-    far: Vec<Span>,
-    near: Vec<Span>,
+    far: Vec<GroundSpan>,
+    near: Vec<GroundSpan>,
 }
 
-impl Seen {
+impl SeenGround {
     /// What `frame` shows through `view`.
     pub(super) fn through(view: &CameraView, frame: &Frame) -> Self {
         let [x, y, z] = frame.pose.p_world;
         let bins = (2.0 * MOST * BINS) as usize;
         let mut seen = Self {
-            foot: [x, y],
+            nadir: [x, y],
             cos_sin: [frame.pose.yaw_rad.cos(), frame.pose.yaw_rad.sin()],
             least_share: FLIGHT_CLEARANCE_M / z,
             far: vec![[0.0, f64::INFINITY]; bins],
@@ -60,7 +60,7 @@ impl Seen {
 
     /// A point of the ground, metres ahead and to the left.
     fn ahead(&self, p: [f64; 2]) -> [f64; 2] {
-        let ([x, y], [cos, sin]) = ([p[0] - self.foot[0], p[1] - self.foot[1]], self.cos_sin);
+        let ([x, y], [cos, sin]) = ([p[0] - self.nadir[0], p[1] - self.nadir[1]], self.cos_sin);
         [x * cos + y * sin, y * cos - x * sin]
     }
 
@@ -110,7 +110,7 @@ impl Seen {
 
     /// The rows and columns around all that is seen.
     fn cells(&self, grid: &Grid) -> (std::ops::Range<u32>, std::ops::Range<u32>) {
-        let (mut low, mut high) = (self.foot, self.foot);
+        let (mut low, mut high) = (self.nadir, self.nadir);
         let seen = self.far.iter().enumerate().filter(|(_, [ahead, _])| *ahead > 0.0);
         for (bin, [ahead, _]) in seen {
             for bin in [bin, bin + 1] {
@@ -118,8 +118,8 @@ impl Seen {
                 let [cos, sin] = self.cos_sin;
                 let p = [ahead * cos - left * sin, ahead * sin + left * cos];
                 for axis in 0..2 {
-                    low[axis] = low[axis].min(self.foot[axis] + p[axis]);
-                    high[axis] = high[axis].max(self.foot[axis] + p[axis]);
+                    low[axis] = low[axis].min(self.nadir[axis] + p[axis]);
+                    high[axis] = high[axis].max(self.nadir[axis] + p[axis]);
                 }
             }
         }
@@ -139,7 +139,7 @@ impl Seen {
         if first < 0.0 || last >= self.far.len() as f64 {
             return false;
         }
-        let holds = |[near, far]: Span| to <= near && from >= self.least_share * far;
+        let holds = |[near, far]: GroundSpan| to <= near && from >= self.least_share * far;
         (first as usize..=last as usize).all(|bin| holds(self.far[bin]) || holds(self.near[bin]))
     }
 }

@@ -5,8 +5,8 @@ use csat_proto::frame::Label;
 use csat_proto::oem::{OemCell, OemDelta};
 use nalgebra::Vector3;
 
-use super::super::Picture;
 use super::super::Planner;
+use super::super::PlannerInput;
 use super::super::tests::{CRITERIA, Scene, default_config};
 use super::*;
 use crate::config::Criterion;
@@ -237,11 +237,11 @@ fn plans_keep_to_what_may_be_flown() {
         let pose = east(32.0, 0.0);
         let ways = airspace.ways(&pose, &scene.oem, Step(60));
         assert!(ways.is_any_safe() && !ways.is_safe(0.0));
-        let picture = Picture { ways: Some(&ways), ..scene.picture() };
-        let decision = Planner::new(&config).plan(&picture, &pose, &[]);
+        let input = PlannerInput { ways: Some(&ways), ..scene.input() };
+        let decision = Planner::new(&config).plan(&input, &pose, &[]);
         assert!(ways.is_safe(decision.increments_rad[0]), "{criterion:?}: {decision:?}");
         assert!(ways.behind(decision.increments_rad[0]).is_some());
-        let free = Planner::new(&config).plan(&scene.picture(), &pose, &[]);
+        let free = Planner::new(&config).plan(&scene.input(), &pose, &[]);
         let mut blocks = free.poses.iter().zip(&free.increments_rad[1..]);
         let meets_wall = |(pose, turn): (&Pose, &f64)| !ways.is_open(pose, *turn);
         blind += u32::from(!ways.is_safe(free.increments_rad[0]) || blocks.any(meets_wall));

@@ -43,11 +43,11 @@ pub(super) fn draw(lot: &Bounds, rng: &mut ChaCha8Rng) -> (Polygon<f64>, &'stati
         ]),
         _ => ring(&SQUARE),
     };
-    // Clockwise, as holes run.
+    // Clockwise, because it is a hole.
     let (a, b) = (0.3, 0.7);
     let yard = ring(&[[a, a], [a, b], [b, b], [b, a]]);
     let holes = if kind == "courtyard" { vec![yard] } else { Vec::new() };
-    // Quarter turns first: they face the concave sides every way.
+    // First a random number of quarter turns, so that concave sides face all directions.
     let quarter = 90.0 * f64::from(rng.random_range(0..4u8));
     let turn_deg =
         if rng.random_bool(0.5) { 0.0 } else { rng.random_range(-MAX_TURN_DEG..=MAX_TURN_DEG) };
@@ -75,8 +75,8 @@ pub(super) fn shrunk(footprint: &Polygon<f64>, scale: f64) -> Polygon<f64> {
     footprint.affine_transform(&AffineTransform::scale(scale, scale, bounds.center()))
 }
 
-/// The building moved onto the lot, shrunk if it does not fit; `at` picks the place of what room is
-/// left along either axis, 0..1.
+/// The building moved onto the lot, shrunk if it does not fit; `at` is its place within the room that is left
+/// along either axis, 0..1.
 fn fitted(building: &Polygon<f64>, lot: &Bounds, at: [f64; 2]) -> Polygon<f64> {
     let Some(bounds) = building.bounding_rect() else { return building.clone() };
     let size = lot.size_m();

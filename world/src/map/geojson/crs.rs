@@ -1,12 +1,12 @@
 //! The coordinate reference system that a file names.
 //!
-//! RFC 7946 knows longitude and latitude of WGS 84 only. Files made before it, or by GDAL, name that
-//! in a member `crs` in several spellings; whoever names another one has projected coordinates.
+//! RFC 7946 allows longitude and latitude of WGS 84 only. Older files, and those of GDAL, name WGS 84 in a
+//! member `crs` in several spellings; files that name another system have projected coordinates.
 
 use serde_json::Value;
 
 /// The name of the `crs` of a collection or feature, unless it is WGS 84 with the longitude first.
-/// `null` and nothing are none to object to.
+/// `None` also if there is no `crs` or it is `null`.
 pub(super) fn foreign(object: &Value) -> Option<String> {
     let crs = object.get("crs").filter(|crs| !crs.is_null())?;
     let property = |key| crs.get("properties").and_then(|p| p.get(key));
@@ -22,7 +22,7 @@ pub(super) fn foreign(object: &Value) -> Option<String> {
 
 /// `urn:ogc:def:crs:OGC:1.3:CRS84`, `EPSG:4326`, `http://www.opengis.net/def/crs/EPSG/0/4326`, …
 ///
-/// EPSG defines 4326 with the latitude first; GeoJSON has the longitude first whatever it is called.
+/// EPSG defines 4326 with the latitude first; in GeoJSON the longitude is first under every name.
 fn is_wgs84(name: &str) -> bool {
     let name = name.to_ascii_uppercase();
     let tokens: Vec<&str> = name

@@ -29,7 +29,7 @@ pub(super) struct Document {
     pub features: Vec<Value>,
 }
 
-/// The text without what editors put before it.
+/// The text without a byte order mark.
 pub fn without_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
@@ -37,8 +37,8 @@ pub fn without_mark(text: &str) -> &str {
 /// Reads the documents of a file, which is one or, line by line, a sequence.
 pub(super) fn read(text: &str) -> Result<Document, MapError> {
     let text = without_mark(text);
-    // Record separators stand between documents only: within strings JSON escapes them. A space keeps
-    // lines and columns.
+    // Record separators occur between documents only: within strings JSON escapes them. Each is replaced by
+    // a space, which keeps lines and columns.
     let text: Cow<'_, str> =
         if text.contains('\u{1e}') { text.replace('\u{1e}', " ").into() } else { text.into() };
     let mut document = Document::default();
@@ -63,7 +63,7 @@ pub(super) fn read(text: &str) -> Result<Document, MapError> {
 }
 
 impl Document {
-    /// Takes what is GeoJSON, or says what it is instead.
+    /// Adds a GeoJSON value, or returns what the value is instead.
     fn add(&mut self, mut value: Value) -> Result<(), String> {
         let Some(object) = value.as_object_mut() else {
             return Err("a document that is not an object".into());

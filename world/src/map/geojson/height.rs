@@ -1,4 +1,4 @@
-//! How high a building is, by its tags.
+//! The height of a building by its tags.
 //!
 //! # References
 //! OpenStreetMap wiki: *Simple 3D Buildings*, *Key:height*, *Key:min_height*, *Key:building:levels*,
@@ -12,15 +12,15 @@ use super::length::{LENGTHS, STOREYS, metres, storeys};
 
 /// Height of a storey, metres.
 const STOREY_M: f64 = 3.0;
-/// Height of a building of which nothing is known, metres.
+/// Height of a building without a tag for it, metres.
 pub(super) const DEFAULT_HEIGHT_M: f64 = 9.0;
 
-/// What the tags of a building say of its height.
+/// The heights of a building by its tags.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Heights {
-    /// Height of the top, metres; `None` if no tag says anything about it.
+    /// Height of the top, metres; `None` without a tag for it.
     pub top_m: Option<f64>,
-    /// Height of the underside, metres: 0 for what stands on the ground.
+    /// Height of the underside, metres; 0 for a building that stands on the ground.
     pub base_m: f64,
 }
 
@@ -37,11 +37,12 @@ struct Tags<'a> {
     bad: Vec<Bad>,
 }
 
-/// The heights of a building or part. What cannot be read is warned of with the height taken instead.
+/// The heights of a building or part. For each value that cannot be read there is a warning with the height
+/// that is used instead.
 pub(super) fn heights(feature: &Parsed, warnings: &mut Vec<MapWarning>) -> Heights {
     let mut tags = Tags { feature, bad: Vec::new() };
     let top_m = tags.top_m();
-    // A part of which nothing is known is as high as its building; one that was misspelt is not.
+    // A part without a height is as high as its building; a part with a misspelt height is not.
     let top_m = top_m.or((!tags.bad.is_empty()).then_some(DEFAULT_HEIGHT_M));
     let above = tags.bad.len();
     let mut base_m = tags.base_m();
@@ -61,7 +62,7 @@ pub(super) fn heights(feature: &Parsed, warnings: &mut Vec<MapWarning>) -> Heigh
 }
 
 impl Tags<'_> {
-    /// The first of the keys for heights that can be read, else storeys and roof.
+    /// The value of the first key for heights that can be read, else the height of storeys and roof.
     fn top_m(&mut self) -> Option<f64> {
         for key in ["height", "building:height", "est_height"] {
             if let Some(top_m) = self.read(key, metres, LENGTHS, f64::MIN_POSITIVE) {
@@ -78,7 +79,7 @@ impl Tags<'_> {
         None
     }
 
-    /// `building:levels` is without the storeys under the roof.
+    /// The height of the storeys under the roof, which `building:levels` does not include.
     fn roof_m(&mut self) -> f64 {
         let height_m = self.read("roof:height", metres, LENGTHS, 0.0);
         let levels = || Some(self.read("roof:levels", storeys, STOREYS, 0.0)? * STOREY_M);

@@ -1,4 +1,4 @@
-//! What a feature is to a town, by its tags.
+//! What a feature is, by its tags.
 
 use ::geojson::GeometryValue;
 use serde_json::{Map as JsonObject, Value};
@@ -21,7 +21,7 @@ const DRIVABLE: [&str; 11] = [
     "busway",
 ];
 
-/// Keys that say what an area is when it is no building (OpenStreetMap wiki, *Map features*).
+/// Keys of areas that are not buildings (OpenStreetMap wiki, *Map features*).
 const OTHER_AREAS: [&str; 28] = [
     "aerialway",
     "aeroway",
@@ -53,28 +53,28 @@ const OTHER_AREAS: [&str; 28] = [
     "waterway",
 ];
 
-/// A feature that a town is made of.
+/// A feature that becomes part of a town.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum FeatureKind {
     /// A whole building.
     Building,
-    /// A part of one with a height of its own.
+    /// A part of a building with a height of its own.
     Part,
     /// A road for cars.
     Road,
 }
 
-/// What a feature is, or why it is nothing to a town.
+/// What a feature is, or why it is left out.
 pub(super) fn kind_of(
     properties: &JsonObject<String, Value>,
     geometry: Option<&GeometryValue>,
     untagged: Option<Untagged>,
-) -> Result<Kind, LeftOut> {
+) -> Result<FeatureKind, LeftOut> {
     let text = |key| properties.get(key).and_then(Value::as_str);
     let building = Tag::of(properties, "building");
     let part = Tag::of(properties, "building:part");
     if building == Tag::Yes || part == Tag::Yes {
-        let kind = if building == Tag::Yes { Kind::Building } else { Kind::Part };
+        let kind = if building == Tag::Yes { FeatureKind::Building } else { FeatureKind::Part };
         return if text("location") == Some("underground") {
             Err(LeftOut::Underground)
         } else {
@@ -86,7 +86,7 @@ pub(super) fn kind_of(
         return match text("tunnel") {
             _ if !drivable => Err(LeftOut::NotDrivable),
             Some(tunnel) if tunnel != "no" => Err(LeftOut::Tunnel),
-            _ => Ok(Kind::Road),
+            _ => Ok(FeatureKind::Road),
         };
     }
     for (key, tag) in [("building", &building), ("building:part", &part)] {
@@ -104,7 +104,7 @@ pub(super) fn kind_of(
     let is_said = |key: &&str| Tag::of(properties, key) != Tag::None;
     match untagged {
         _ if !is_area || OTHER_AREAS.iter().any(is_said) => Err(LeftOut::OtherKind),
-        Some(Untagged::Buildings) => Ok(Kind::Building),
+        Some(Untagged::Buildings) => Ok(FeatureKind::Building),
         _ => Err(LeftOut::Untagged),
     }
 }
@@ -118,8 +118,8 @@ enum Tag {
 }
 
 impl Tag {
-    /// Exporters write `"building": true` as well as `"building": "yes"`, and empty text or null for
-    /// a column that a feature lacks.
+    /// Exporters write `"building": true` as well as `"building": "yes"`, and empty text or null for a tag
+    /// that a feature does not have.
     fn of(properties: &JsonObject<String, Value>, key: &str) -> Self {
         match properties.get(key) {
             None | Some(Value::Null) => Self::None,

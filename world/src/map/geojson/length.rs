@@ -15,12 +15,12 @@ pub(super) const LENGTHS: &str = "a length such as 12.5, 12.5 m, 40 ft or 40'6\"
 pub(super) const STOREYS: &str = "a number of storeys such as 3 or 3.5";
 
 /// A length in metres, 0 or more: a number of metres, or one with a unit (`12 m`, `40 ft`, `40'6"`,
-/// `0.1 km`). Of a list (`12;15`) the longest.
+/// `0.1 km`). For a list (`12;15`) the longest one.
 pub(super) fn metres(value: &Value) -> Option<f64> {
     longest(value, length)
 }
 
-/// A number of storeys, 0 or more. Of a list (`2;3`) the most.
+/// A number of storeys, 0 or more. For a list (`2;3`) the greatest one.
 pub(super) fn storeys(value: &Value) -> Option<f64> {
     longest(value, number)
 }
@@ -71,8 +71,8 @@ fn length(text: &str) -> Option<f64> {
     Some(number(value)? * unit_m)
 }
 
-/// A decimal number without sign or exponent. OpenStreetMap's decimal separator is the point; a comma
-/// before one or two digits can be nothing else, before three it can separate thousands.
+/// A decimal number without sign or exponent. OpenStreetMap's decimal separator is the point. A comma before
+/// one or two digits is a decimal separator as well; before three digits it may separate thousands.
 fn number(text: &str) -> Option<f64> {
     let text = text.trim();
     let text = text.strip_prefix('+').unwrap_or(text);
@@ -83,7 +83,7 @@ fn number(text: &str) -> Option<f64> {
         _ => text.to_owned(),
     };
     let is_plain = text.chars().all(|c| c.is_ascii_digit() || c == '.');
-    // So many digits that it overflows is no height.
+    // A number that overflows is not a height.
     text.parse().ok().filter(|x: &f64| is_plain && x.is_finite())
 }
 

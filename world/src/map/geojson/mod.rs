@@ -1,22 +1,22 @@
 //! Real towns from RFC 7946 GeoJSON in longitude and latitude, as OpenStreetMap exports them.
 //!
-//! Buildings are features with a `building` tag, parts of them with heights of their own those with
-//! `building:part`, roads those with a drivable `highway`; all else is counted and left alone.
+//! Buildings are features with a `building` tag, parts of them with heights of their own have
+//! `building:part`, and roads have a drivable `highway`; all other features are counted and left out.
 //! Positions are projected to the local tangent plane about the foreign member `center` ([longitude,
 //! latitude]) or else the middle of the data.
 //!
-//! What is not GeoJSON is an error; what is GeoJSON but no usable town (open or crossing rings,
-//! overlaps, odd heights) is repaired or left out with a warning. Both name the feature, and
-//! [`Map::count`] has what became of every one.
+//! A text that is not GeoJSON is an error. Features that do not make a usable town (open or crossing rings,
+//! overlaps, odd heights) are repaired or left out with a warning. Errors and warnings name the feature, and
+//! [`Map::count`] counts what became of all features.
 //!
 //! | module | what it does |
 //! |---|---|
 //! | `document` | text to features |
 //! | `crs` | the coordinate reference system that a file names |
 //! | `kind` | what a feature is |
-//! | `length`, `height` | how high a building is |
+//! | `length`, `height` | the height of a building |
 //! | `parts` | buildings and their parts |
-//! | `town` | all of it projected, repaired, clipped, disjoint |
+//! | `town` | features projected, repaired, clipped, disjoint |
 
 use ::geojson::{Feature, GeometryValue, Position, feature};
 use csat_proto::model::Ground;
@@ -27,7 +27,7 @@ use super::project::TangentPlane;
 use super::report::{FeatureRef, MapError, MapWarning};
 use super::{Map, MapRules, Untagged};
 use crate::plane::Bounds;
-use kind::{Kind, kind_of};
+use kind::{FeatureKind, kind_of};
 
 mod crs;
 mod document;
@@ -39,14 +39,14 @@ mod town;
 
 pub use document::without_mark;
 
-/// So many features that are none are named one by one.
+/// The most invalid features that are named one by one.
 const NAMED: usize = 8;
 
 /// Reads a town from GeoJSON text (one document, or a sequence of them): the part of it inside
 /// `ground`, tops below the flights. `untagged` says what polygons without tags are.
 ///
 /// # Errors
-/// Every mistake at once: not JSON, not GeoJSON, features that are none, positions that are no
+/// All mistakes together: a text that is not JSON or not GeoJSON, invalid features, positions that are not
 /// longitude and latitude, and polygons of which none is tagged as a building, if `untagged` is `None`.
 pub fn import(
     text: &str,
@@ -67,7 +67,7 @@ pub fn import(
             None
         }
     };
-    let is_building = |p: &Parsed| p.kind != Kind::Road;
+    let is_building = |p: &Parsed| p.kind != FeatureKind::Road;
     if let (None, Some(polygons)) = (untagged, count.reasons.get(&LeftOut::Untagged))
         && !parsed.iter().any(is_building)
     {
@@ -87,10 +87,10 @@ pub fn import(
     Ok(town::Town { plane, ground, rules, count, warnings }.build(&parsed, attribution))
 }
 
-/// A feature that matters to a town.
+/// A feature that becomes part of a town.
 struct Parsed {
     reference: FeatureRef,
-    kind: Kind,
+    kind: FeatureKind,
     properties: JsonObject<String, Value>,
     geometry: GeometryValue,
 }
@@ -145,8 +145,7 @@ fn parse(
     parsed
 }
 
-/// The feature; without its geometry when that has no positions, of which the parser cannot tell the
-/// dimensions.
+/// The feature. A geometry without positions is left out, because the parser cannot read it.
 fn feature_of(value: &Value) -> Result<Feature, String> {
     let mut value = value.clone();
     let is_known = |kind: &str| document::GEOMETRIES.contains(&kind);
@@ -165,12 +164,12 @@ fn feature_of(value: &Value) -> Result<Feature, String> {
     Ok(feature)
 }
 
-/// Whether there is nothing in a list, or only such lists.
+/// Whether a list is empty or contains only such lists.
 fn is_hollow(coordinates: &Value) -> bool {
     coordinates.as_array().is_some_and(|list| list.iter().all(is_hollow))
 }
 
-/// A geometry that has positions; `feature` is what it was read from.
+/// A geometry with positions; `feature` is the feature that it was read from.
 fn extent(geometry: Option<GeometryValue>, feature: &Value) -> Result<GeometryValue, LeftOut> {
     match (geometry, feature.pointer("/geometry/type").and_then(Value::as_str)) {
         (Some(geometry), _) if !positions(&geometry).is_empty() => Ok(geometry),

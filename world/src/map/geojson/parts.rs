@@ -1,7 +1,7 @@
-//! Buildings and their parts made one town.
+//! Buildings and their parts.
 //!
-//! Solids of a town stand on the ground (3.1), so what begins above it (`min_height`) is built from the
-//! ground. Where other parts stand underneath that is exact; where nothing does, it is warned of.
+//! Solids of a town stand on the ground (3.1), so a part that begins above it (`min_height`) is built from
+//! the ground. Where other parts stand underneath, that is exact; where none does, there is a warning.
 //!
 //! # References
 //! OpenStreetMap wiki, *Simple 3D Buildings*: the outline of a building with parts is their union and
@@ -10,15 +10,15 @@
 use geo::{Area, BooleanOps, BoundingRect, Buffer, MultiPolygon, unary_union};
 
 use super::super::count::{FeatureCount, LeftOut};
-use super::super::merge::{Outline, meet};
+use super::super::merge::{BuildingOutline, meet};
 use super::super::report::{FeatureRef, MapWarning};
 use super::height::{DEFAULT_HEIGHT_M, Heights};
 
-/// Half the width of a gap between parts that is drawn badly and not there, metres.
+/// Half the width of a gap between parts that is taken for an error of drawing, metres.
 const GAP_M: f64 = 0.25;
-/// What ends so much below the underside of a part still carries it, metres.
+/// A part carries another one if it ends at most this much below its underside, metres.
 const JOINT_M: f64 = 0.5;
-/// Less ground than this under a part needs nothing standing on it, m².
+/// A part may overhang by this area without a warning, m².
 const LEDGE_M2: f64 = 1.0;
 
 /// A building or a part as mapped, within the region.
@@ -29,12 +29,12 @@ pub(super) struct Solid {
     pub heights: Heights,
 }
 
-/// What is built: parts, buildings without parts, and what parts leave of a building's outline.
+/// The solids to build: parts, buildings without parts, and what parts leave of the outline of a building.
 pub(super) fn outlines(
     mut solids: Vec<Solid>,
     count: &mut FeatureCount,
     warnings: &mut Vec<MapWarning>,
-) -> Vec<Outline> {
+) -> Vec<BuildingOutline> {
     let owners: Vec<Option<usize>> = solids.iter().map(|solid| owner(solid, &solids)).collect();
     for (part, owner) in owners.iter().enumerate() {
         if let (None, Some(owner)) = (solids[part].heights.top_m, owner) {
@@ -45,7 +45,7 @@ pub(super) fn outlines(
     for (index, solid) in solids.iter().enumerate() {
         let parts: Vec<&Solid> =
             (0..solids.len()).filter(|p| owners[*p] == Some(index)).map(|p| &solids[p]).collect();
-        let mut outline = Outline {
+        let mut outline = BuildingOutline {
             feature: solid.feature.clone(),
             building: owners[index]
                 .map_or(solid.feature.index, |owner| solids[owner].feature.index),
@@ -77,7 +77,8 @@ fn top_m(solid: &Solid) -> f64 {
     solid.heights.top_m.unwrap_or(DEFAULT_HEIGHT_M)
 }
 
-/// The building that a part belongs to: the one that it shares most ground with, at least half its own.
+/// The building that a part belongs to: the one with the greatest common area, which is at least half the
+/// area of the part.
 fn owner(part: &Solid, solids: &[Solid]) -> Option<usize> {
     if !part.is_part {
         return None;
@@ -90,15 +91,15 @@ fn owner(part: &Solid, solids: &[Solid]) -> Option<usize> {
     (most_m2 >= part.shape.unsigned_area() / 2.0).then_some(index)
 }
 
-/// What parts leave of an outline, without the gaps that come from drawing them.
+/// What parts leave of an outline, without gaps that are errors of drawing.
 fn rest(outline: &MultiPolygon<f64>, parts: &[&Solid]) -> MultiPolygon<f64> {
     let mut rest = outline.difference(&unary_union(parts.iter().map(|p| &p.shape)));
     rest.0.retain(|piece| !piece.buffer(-GAP_M).0.is_empty());
     rest
 }
 
-/// An outline that is lower than a part tells the height of the rest. Any other tells that of the whole,
-/// which is its highest part's, and the rest is as high as the lowest part.
+/// The height of what parts leave of an outline. If the outline is lower than a part, its height is that of
+/// the rest. Otherwise its height is that of the whole building, and the rest is as high as the lowest part.
 fn height_of_rest_m(outline: &Solid, parts: &[&Solid]) -> f64 {
     let tops = || parts.iter().map(|p| top_m(p));
     let highest_m = tops().fold(0.0, f64::max);
@@ -108,9 +109,9 @@ fn height_of_rest_m(outline: &Solid, parts: &[&Solid]) -> f64 {
     }
 }
 
-fn warn_of_floating(built: &[(Outline, f64)], warnings: &mut Vec<MapWarning>) {
+fn warn_of_floating(built: &[(BuildingOutline, f64)], warnings: &mut Vec<MapWarning>) {
     for (outline, base_m) in built.iter().filter(|(_, base_m)| *base_m > 0.0) {
-        let carries = |(other, other_base_m): &&(Outline, f64)| {
+        let carries = |(other, other_base_m): &&(BuildingOutline, f64)| {
             other_base_m < base_m
                 && other.height_m >= base_m - JOINT_M
                 && meet(&other.shape.bounding_rect(), &outline.shape.bounding_rect())

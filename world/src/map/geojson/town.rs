@@ -1,20 +1,20 @@
-//! From parsed features to a town: projected, repaired, clipped, disjoint.
+//! From parsed features to a town: they are projected, repaired, clipped and made disjoint.
 
 use ::geojson::{GeometryValue, Position};
 use csat_proto::model::Ground;
 use geo::{BooleanOps, BoundingRect, MultiPolygon, Rect, coord};
 
 use super::super::count::{FeatureCount, LeftOut};
-use super::super::merge::{Outline, disjoint};
+use super::super::merge::{BuildingOutline, disjoint};
 use super::super::project::TangentPlane;
 use super::super::report::MapWarning;
 use super::super::{Map, MapRules, repair};
 use super::height::heights;
 use super::parts::{self, Solid};
-use super::{Kind, Parsed};
+use super::{FeatureKind, Parsed};
 use crate::plane::{Bounds, Point};
 
-/// A town being put together.
+/// A town under construction.
 pub(super) struct Town<'a> {
     pub plane: TangentPlane,
     pub ground: Ground,
@@ -28,7 +28,7 @@ impl Town<'_> {
         let (mut solids, mut roads) = (Vec::new(), Vec::new());
         for feature in parsed {
             let built = match feature.kind {
-                Kind::Road => self.road(feature, &mut roads),
+                FeatureKind::Road => self.road(feature, &mut roads),
                 _ => self.solid(feature).map(|solid| solids.push(solid)),
             };
             if let Err(reason) = built {
@@ -59,7 +59,7 @@ impl Town<'_> {
         }
     }
 
-    /// Positions in the plane; `None` when one is too far away to be there.
+    /// Positions in the plane; `None` when one of them is too far away.
     fn project(&self, positions: &[Position]) -> Option<Vec<Point>> {
         positions.iter().map(|p| self.plane.project([p[0], p[1]])).collect()
     }
@@ -89,7 +89,7 @@ impl Town<'_> {
             return Err(LeftOut::Outside);
         }
         let heights = heights(feature, &mut self.warnings);
-        let is_part = feature.kind == Kind::Part;
+        let is_part = feature.kind == FeatureKind::Part;
         Ok(Solid { feature: reference.clone(), shape, is_part, heights })
     }
 
@@ -105,8 +105,8 @@ impl Town<'_> {
         repair::oriented(&shape.intersection(&window))
     }
 
-    /// Tops stay below the flights.
-    fn lower(&mut self, outline: &mut Outline) {
+    /// Lowers an outline below the flights.
+    fn lower(&mut self, outline: &mut BuildingOutline) {
         let (got_m, max_m) = (outline.height_m, self.rules.height_limit_m());
         if got_m > max_m {
             let feature = outline.feature.clone();
@@ -115,7 +115,7 @@ impl Town<'_> {
         }
     }
 
-    /// Adds what of a road reaches the region.
+    /// Adds a road that reaches the region.
     fn road(&mut self, feature: &Parsed, roads: &mut Vec<Vec<Point>>) -> Result<(), LeftOut> {
         let lines = match &feature.geometry {
             GeometryValue::LineString { coordinates } => std::slice::from_ref(coordinates),

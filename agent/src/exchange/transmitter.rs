@@ -27,7 +27,7 @@ const RETRY_STEPS: u32 = 4;
 
 /// What an agent has to tell of one step.
 #[derive(Debug, Clone)]
-pub struct Account<'a> {
+pub struct StepContent<'a> {
     /// When it tells.
     pub now: SimTime,
     /// The step of the frame.
@@ -48,7 +48,7 @@ pub struct Account<'a> {
 
 /// What was said of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Said {
+pub struct SentFact {
     /// Of the message.
     pub identity: Identity,
     /// Whether it tells all that the frame proved.
@@ -57,15 +57,15 @@ pub struct Said {
 
 /// What there is to say of a step, in full.
 #[derive(Debug, Clone)]
-struct News<'a> {
-    account: &'a Account<'a>,
+struct Draft<'a> {
+    content: &'a StepContent<'a>,
     /// The fact of the frame.
     fact: Fact,
     /// Blocks of the map that others lack, the longest due first.
     blocks: Vec<usize>,
 }
 
-impl News<'_> {
+impl Draft<'_> {
     /// A fact that is the shorter the higher the level of simplification, and 0 is all of it.
     fn fact_at(&self, level: u32) -> Fact {
         let mut fact = self.shortener(level).fact(&self.fact);
@@ -81,7 +81,7 @@ impl News<'_> {
     }
 
     fn shortener(&self, level: u32) -> Shortener {
-        Shortener::new(level, &self.account.uavs, self.account.knowledge.ground())
+        Shortener::new(level, &self.content.uavs, self.content.knowledge.ground())
     }
 
     /// The blocks that are told of: half as many at each level, but each as a whole.
@@ -90,20 +90,20 @@ impl News<'_> {
     }
 
     /// A patch, and all that is known of the blocks.
-    fn with_blocks(&self, level: u32, news: OemPatch) -> OemPatch {
+    fn with_blocks(&self, level: u32, changes: OemPatch) -> OemPatch {
         let blocks: BTreeSet<usize> = self.blocks_at(level).iter().copied().collect();
         if blocks.is_empty() {
-            return news;
+            return changes;
         }
-        let mut cells = cells(self.account.knowledge.oem.known_in(&blocks));
-        cells.extend(self::cells(news.deltas()));
+        let mut cells = cells(self.content.knowledge.oem.known_in(&blocks));
+        cells.extend(self::cells(changes.deltas()));
         patch(&cells)
     }
 }
 
 /// Messages waiting to be sent, and the numbering of those that were.
 #[derive(Debug, Clone)]
-pub struct Outbox {
+pub struct Transmitter {
     config: AgentConfig,
     sequences: BTreeMap<ChannelId, u64>,
     facts_said: u32,
@@ -119,7 +119,7 @@ pub struct Outbox {
     queue: VecDeque<Transmit>,
 }
 
-impl Outbox {
+impl Transmitter {
     /// An outbox that has sent nothing.
     pub fn new(config: &AgentConfig) -> Self {
         Self {
@@ -154,7 +154,7 @@ impl Outbox {
 
     /// Says what this step's frame proved or what is known with it, as the mode demands. `None` when
     /// nothing was said.
-    pub fn say_step(&mut self, account: &Account<'_>, repair: &mut Repair) -> Option<Said> {
+    pub fn say_step(&mut self, content: &StepContent<'_>, repair: &mut Repair) -> Option<SentFact> {
         let ExchangeConfig { mode, snapshot_period_s, .. } = self.config.exchange;
         // A station's facts prove nothing: it says one only for its digest.
         let is_mute = mode == ExchangeMode::Facts && self.config.is_station();
@@ -162,22 +162,22 @@ impl Outbox {
             return None;
         }
         self.earn();
-        let news = self.news(account, repair);
+        let draft = self.draft(content, repair);
         let wanted = match mode {
             ExchangeMode::Snapshot => true,
             ExchangeMode::FactsRepair => {
-                account.step >= self.next_snapshot || repair.snapshot_due(account.step)
+                content.step >= self.next_snapshot || repair.snapshot_due(content.step)
             }
             ExchangeMode::None | ExchangeMode::Facts => false,
         };
-        let mut said = if wanted { self.say_snapshot(&news, repair) } else { None };
+        let mut said = if wanted { self.say_snapshot(&draft, repair) } else { None };
         if said.is_some() {
-            repair.snapshot_said(account.step);
+            repair.snapshot_said(content.step);
             self.saved = 0.0;
             let period = self.config.steps(snapshot_period_s).max(1);
-            self.next_snapshot = account.step.after(period);
+            self.next_snapshot = content.step.after(period);
         } else if wanted {
-            let retry = account.step.after(RETRY_STEPS);
+            let retry = content.step.after(RETRY_STEPS);
             repair.snapshot_failed(retry);
             self.next_snapshot = self.next_snapshot.max(retry);
         }
@@ -186,7 +186,7 @@ impl Outbox {
             _ => self.credit,
         };
         if said.is_none() && mode != ExchangeMode::Snapshot {
-            said = self.say_fact(&news, repair, limit);
+            said = self.say_fact(&draft, repair, limit);
         }
         if said.is_some() {
             self.facts_said += 1;
@@ -251,17 +251,17 @@ impl Outbox {
         self.say(self.config.channels.plans, now, step, pose, body);
     }
 
-    fn news<'a>(&self, account: &'a Account<'a>, repair: &Repair) -> News<'a> {
+    fn draft<'a>(&self, content: &'a StepContent<'a>, repair: &Repair) -> Draft<'a> {
         let blocks = match self.config.exchange.mode {
-            ExchangeMode::FactsRepair => repair.blocks_due(account.step),
+            ExchangeMode::FactsRepair => repair.blocks_due(content.step),
             _ => Vec::new(),
         };
-        News { account, fact: self.fact(account), blocks }
+        Draft { content, fact: self.fact(content), blocks }
     }
 
     /// The fact of a frame, in full.
-    fn fact(&self, account: &Account<'_>) -> Fact {
-        let Account { step, measured, knowledge, held, changed, .. } = account;
+    fn fact(&self, content: &StepContent<'_>) -> Fact {
+        let StepContent { step, measured, knowledge, held, changed, .. } = content;
         let oem = match self.config.exchange.mode {
             ExchangeMode::Snapshot => {
                 let mut cells = cells(knowledge.oem.known());
@@ -288,35 +288,35 @@ impl Outbox {
         }
     }
 
-    fn say_fact(&mut self, news: &News<'_>, repair: &mut Repair, limit: f64) -> Option<Said> {
+    fn say_fact(&mut self, draft: &Draft<'_>, repair: &mut Repair, limit: f64) -> Option<SentFact> {
         let channel = self.config.channels.facts;
-        self.say_news(channel, news, repair, limit, |level| Message::Fact(news.fact_at(level)))
+        self.say_draft(channel, draft, repair, limit, |level| Message::Fact(draft.fact_at(level)))
     }
 
-    fn say_snapshot(&mut self, news: &News<'_>, repair: &mut Repair) -> Option<Said> {
-        let known = known(news.account.knowledge);
+    fn say_snapshot(&mut self, draft: &Draft<'_>, repair: &mut Repair) -> Option<SentFact> {
+        let known = known(draft.content.knowledge);
         let channel = self.config.channels.snapshots;
-        self.say_news(channel, news, repair, self.credit, |level| {
-            Message::Snapshot(Box::new(news.snapshot_at(level, &known)))
+        self.say_draft(channel, draft, repair, self.credit, |level| {
+            Message::Snapshot(Box::new(draft.snapshot_at(level, &known)))
         })
     }
 
     /// Says the finest of the messages that fits.
-    fn say_news(
+    fn say_draft(
         &mut self,
         channel: ChannelId,
-        news: &News<'_>,
+        draft: &Draft<'_>,
         repair: &mut Repair,
         limit: f64,
         message: impl Fn(u32) -> Message,
-    ) -> Option<Said> {
-        let Account { now, step, pose, .. } = *news.account;
+    ) -> Option<SentFact> {
+        let StepContent { now, step, pose, .. } = *draft.content;
         let first = self.levels.get(&channel).copied().unwrap_or_default();
         let (level, body) = fit(limit, self.config.exchange.max_vertices, first, message)?;
         self.levels.insert(channel, level);
-        repair.blocks_said(step, news.blocks_at(level));
+        repair.blocks_said(step, draft.blocks_at(level));
         let identity = self.say(channel, now, step, pose, body);
-        Some(Said { identity, in_full: level == 0 })
+        Some(SentFact { identity, in_full: level == 0 })
     }
 
     fn say(
@@ -387,7 +387,6 @@ mod tests {
     use csat_proto::ids::AgentId;
 
     use crate::config::tests::default_config;
-    use crate::estimate::settled::Settled;
 
     /// Knowledge of a map in which no two neighbouring cells are the same.
     fn chequered(config: &AgentConfig) -> Knowledge {
@@ -407,28 +406,29 @@ mod tests {
         config.exchange.budget_bytes_s = 4000.0;
         config.exchange.snapshot_period_s = 1e6;
         let measured = Measured::nothing(config.raster_grid());
-        let knowledge = Settled::new(chequered(&config), Identity::default());
-        let (mut outbox, mut repair) = (Outbox::new(&config), Repair::new(&config));
-        outbox.next_snapshot = Step(u32::MAX);
-        repair.hold(Step(0), Vec::new(), knowledge.block_hashes());
+        let knowledge = chequered(&config);
+        let hashes = knowledge.oem.block_hashes();
+        let (mut transmitter, mut repair) = (Transmitter::new(&config), Repair::new(&config));
+        transmitter.next_snapshot = Step(u32::MAX);
+        repair.hold(Step(0), Vec::new(), &hashes);
         let lost = Knowledge::at_start(&config).oem.block_hashes().told_at(Step(0));
         let digest = Digest { facts: Vec::new(), oem: lost };
         repair.hear(Step(0), AgentId(1), Incarnation(0), Step(0), &digest);
         let mut lacking: BTreeSet<u32> = knowledge.oem.known().map(|delta| delta.cell).collect();
         let cells = lacking.len();
         for step in (20..140).map(Step) {
-            let account = Account {
+            let content = StepContent {
                 now: SimTime(0),
                 step,
                 pose: Pose::default(),
                 measured: &measured,
                 changed: BTreeMap::new(),
                 knowledge: &knowledge,
-                held: repair.hold(step, Vec::new(), knowledge.block_hashes()),
+                held: repair.hold(step, Vec::new(), &hashes),
                 uavs: Vec::new(),
             };
-            outbox.say_step(&account, &mut repair).expect("a fact fits");
-            let bytes = outbox.pop().expect("it was said").bytes;
+            transmitter.say_step(&content, &mut repair).expect("a fact fits");
+            let bytes = transmitter.pop().expect("it was said").bytes;
             let body = Envelope::decode(&bytes).unwrap().body;
             let Message::Fact(fact) = postcard::from_bytes(&body).unwrap() else { continue };
             fact.oem.deltas().for_each(|delta| {

@@ -1,4 +1,4 @@
-//! Which facts the own knowledge contains.
+//! Which facts the agent's own knowledge contains: a version vector.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,26 +8,26 @@ use csat_proto::message::HeldFacts;
 use crate::config::AgentConfig;
 use crate::mutant::{Mutant, is_on};
 
-/// Lives that are remembered per agent: whatever others claim, memory and digests stay bounded.
-pub const LIVES: usize = 64;
+/// Incarnations that are remembered per agent: whatever messages claim, memory and digests stay bounded.
+pub const MAX_INCARNATIONS: usize = 64;
 
-/// Per life of each agent, the facts that the own knowledge contains.
+/// Per incarnation of each agent, the facts that the own knowledge contains.
 #[derive(Debug, Clone)]
-pub struct Held {
-    lives: BTreeMap<(AgentId, Incarnation), Life>,
-    /// How many numbers are remembered per life: those of facts young enough to be accepted.
+pub struct VersionVector {
+    entries: BTreeMap<(AgentId, Incarnation), VersionEntry>,
+    /// How many numbers are remembered per incarnation: those of facts young enough to be accepted.
     window: usize,
 }
 
 #[derive(Debug, Clone, Default)]
-struct Life {
+struct VersionEntry {
     /// Facts 0 to `count` - 1 are contained, applied one by one or through a snapshot.
     count: u32,
     /// The newest numbers that were applied themselves.
     applied: BTreeSet<u32>,
 }
 
-impl Life {
+impl VersionEntry {
     /// Counts the facts that follow those counted.
     fn count_on(&mut self) {
         while self.count < u32::MAX && self.applied.contains(&self.count) {
@@ -36,61 +36,63 @@ impl Life {
     }
 }
 
-impl Held {
-    /// Nothing.
+impl VersionVector {
+    /// A version vector without any fact.
     pub fn new(config: &AgentConfig) -> Self {
         let window = config.steps(config.exchange.max_age_s).max(1) as usize + 2;
-        Self { lives: BTreeMap::new(), window }
+        Self { entries: BTreeMap::new(), window }
     }
 
-    /// Whether a fact was applied already: a repeat brings nothing.
+    /// Whether a fact was applied already; a repeat would change nothing.
     pub fn has_applied(&self, src: AgentId, incarnation: Incarnation, number: u32) -> bool {
         if is_on(Mutant::RepeatsOfOtherLivesIgnored) {
             return self
-                .lives
+                .entries
                 .iter()
-                .any(|((of, _), life)| *of == src && life.applied.contains(&number));
+                .any(|((of, _), entry)| *of == src && entry.applied.contains(&number));
         }
-        self.lives.get(&(src, incarnation)).is_some_and(|life| life.applied.contains(&number))
+        self.entries.get(&(src, incarnation)).is_some_and(|entry| entry.applied.contains(&number))
     }
 
     /// A fact was applied.
     pub fn apply(&mut self, src: AgentId, incarnation: Incarnation, number: u32) {
         let window = self.window;
-        let life = self.life(src, incarnation);
-        life.applied.insert(number);
-        life.count_on();
-        while life.applied.len() > window {
-            life.applied.pop_first();
+        let entry = self.entry(src, incarnation);
+        entry.applied.insert(number);
+        entry.count_on();
+        while entry.applied.len() > window {
+            entry.applied.pop_first();
         }
     }
 
     /// A snapshot that contains these facts was applied.
     pub fn adopt(&mut self, facts: &[HeldFacts]) {
         for facts in facts {
-            let life = self.life(facts.origin, facts.incarnation);
-            life.count = life.count.max(facts.count);
-            life.count_on();
+            let entry = self.entry(facts.origin, facts.incarnation);
+            entry.count = entry.count.max(facts.count);
+            entry.count_on();
         }
     }
 
-    /// A life of an agent; a new one takes the place of the oldest if there are too many.
-    fn life(&mut self, src: AgentId, incarnation: Incarnation) -> &mut Life {
+    /// The entry of an incarnation; a new one replaces the oldest of its agent if there are too many.
+    fn entry(&mut self, src: AgentId, incarnation: Incarnation) -> &mut VersionEntry {
         let key = (src, incarnation);
         let all = (src, Incarnation(0))..=(src, Incarnation(u32::MAX));
-        if !self.lives.contains_key(&key) && self.lives.range(all.clone()).count() >= LIVES {
-            let oldest = self.lives.range(all).next().map(|(key, _)| *key);
-            oldest.map(|oldest| self.lives.remove(&oldest));
+        if !self.entries.contains_key(&key)
+            && self.entries.range(all.clone()).count() >= MAX_INCARNATIONS
+        {
+            let oldest = self.entries.range(all).next().map(|(key, _)| *key);
+            oldest.map(|oldest| self.entries.remove(&oldest));
         }
-        self.lives.entry(key).or_default()
+        self.entries.entry(key).or_default()
     }
 
-    /// What is held, for others to see.
+    /// The entries that digests tell the other agents.
     pub fn facts(&self) -> Vec<HeldFacts> {
-        let facts = |(&(origin, incarnation), life): (&(AgentId, Incarnation), &Life)| {
-            (life.count > 0).then_some(HeldFacts { origin, incarnation, count: life.count })
+        let facts = |(&(origin, incarnation), entry): (&(AgentId, Incarnation), &VersionEntry)| {
+            (entry.count > 0).then_some(HeldFacts { origin, incarnation, count: entry.count })
         };
-        self.lives.iter().filter_map(facts).collect()
+        self.entries.iter().filter_map(facts).collect()
     }
 }
 
@@ -100,11 +102,11 @@ mod tests {
 
     const LIFE: (AgentId, Incarnation) = (AgentId(1), Incarnation(0));
 
-    fn held() -> Held {
-        Held { lives: BTreeMap::new(), window: 5 }
+    fn held() -> VersionVector {
+        VersionVector { entries: BTreeMap::new(), window: 5 }
     }
 
-    fn count(held: &Held) -> u32 {
+    fn count(held: &VersionVector) -> u32 {
         held.facts().first().map_or(0, |facts| facts.count)
     }
 
@@ -116,7 +118,7 @@ mod tests {
             assert_eq!(count(&held), expected, "after {number}");
         }
         assert!(held.has_applied(LIFE.0, LIFE.1, 3) && !held.has_applied(LIFE.0, LIFE.1, 5));
-        assert!(!held.has_applied(LIFE.0, Incarnation(1), 3), "a new life begins anew");
+        assert!(!held.has_applied(LIFE.0, Incarnation(1), 3), "a new entry begins anew");
     }
 
     #[test]
@@ -134,12 +136,12 @@ mod tests {
     fn memory_is_bounded() {
         let mut held = held();
         (0..1000).map(|i| 2 * i).for_each(|number| held.apply(LIFE.0, LIFE.1, number));
-        assert_eq!(held.lives[&LIFE].applied.len(), 5);
+        assert_eq!(held.entries[&LIFE].applied.len(), 5);
         assert_eq!(count(&held), 1);
         for incarnation in (0..1000).map(Incarnation) {
             held.adopt(&[HeldFacts { origin: AgentId(2), incarnation, count: 7 }]);
         }
-        assert_eq!(held.facts().len(), 1 + LIVES);
+        assert_eq!(held.facts().len(), 1 + MAX_INCARNATIONS);
         let newest = HeldFacts { origin: AgentId(2), incarnation: Incarnation(999), count: 7 };
         assert_eq!(held.facts().last(), Some(&newest));
     }

@@ -14,7 +14,7 @@ pub(super) const STOREY_M: f64 = 1.0;
 /// They are taken to reach half a cell beyond their own. A cell whose centre was seen is Empty (4.40),
 /// whatever stands in its corner: so far buildings may reach beyond the cells they occupy.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Skyline {
+pub(super) struct HeightMap {
     grid: Grid,
     /// How far eyes may be outside the grid and then look, cells. Rows have so many empty cells on both
     /// sides: what lies beyond the end of a row is the margin of another.
@@ -22,11 +22,11 @@ pub(super) struct Skyline {
     storeys: Vec<u8>,
 }
 
-impl Skyline {
+impl HeightMap {
     /// What stands in `oem`, on `grid`.
     pub(super) fn of(oem: &Oem, grid: &Grid, margin: i32) -> Self {
-        let mut skyline = Self { grid: *grid, margin, storeys: Vec::new() };
-        skyline.storeys = vec![0; (grid.rows as i32 * skyline.layout().stride) as usize];
+        let mut height_map = Self { grid: *grid, margin, storeys: Vec::new() };
+        height_map.storeys = vec![0; (grid.rows as i32 * height_map.layout().stride) as usize];
         // Far enough to hold the centre of a cell, however large those are.
         let reach = oem.grid().cell_m.max(0.5 * grid.cell_m);
         for OemDelta { cell, state } in oem.known() {
@@ -37,12 +37,12 @@ impl Skyline {
             let columns = grid.columns_between(x - reach, x + reach);
             for row in grid.rows_between(y - reach, y + reach) {
                 for column in columns.clone() {
-                    let index = skyline.layout().index([column as i32, row as i32]) as usize;
-                    skyline.storeys[index] = storeys.max(skyline.storeys[index]);
+                    let index = height_map.layout().index([column as i32, row as i32]) as usize;
+                    height_map.storeys[index] = storeys.max(height_map.storeys[index]);
                 }
             }
         }
-        skyline
+        height_map
     }
 
     pub(super) fn grid(&self) -> &Grid {

@@ -10,14 +10,14 @@ use csat_proto::raster::Grid;
 use nalgebra::Vector3;
 
 /// Pixels of a row that are glanced at together.
-pub(super) const TOGETHER: usize = 16;
+pub(super) const LANES: usize = 16;
 
 /// What a length may be wrong by, as a share of the greatest: some thirty roundings.
 const DOUBT: f64 = 2e-6;
 
 /// What is the same for all pixels of a frame.
 #[derive(Debug)]
-pub(super) struct Glancer {
+pub(super) struct PixelBounder {
     /// Depth steps, metres.
     step_m: f32,
     /// The least and the greatest distance behind a measured one, as shares.
@@ -27,7 +27,7 @@ pub(super) struct Glancer {
     /// The greatest grade, and what it may be wrong by.
     grades: f32,
     /// The grids of margins and of the OEM.
-    places: [Places; 2],
+    places: [GridFromCamera; 2],
     /// The camera's altitude, and what it may be wrong by, metres.
     z_m: f32,
     /// What a pixel is wide at a distance of 1.
@@ -36,7 +36,7 @@ pub(super) struct Glancer {
 
 /// A grid as the camera sees it.
 #[derive(Debug, Clone, Copy)]
-struct Places {
+struct GridFromCamera {
     /// Where the camera is, in cells.
     eye: [f32; 2],
     cells_per_m: f32,
@@ -48,21 +48,21 @@ struct Places {
 
 /// What a glance says of pixels side by side.
 #[derive(Debug, Default)]
-pub(super) struct Glances {
+pub(super) struct PixelBounds {
     /// The greatest grade that the margin may have.
-    pub(super) grade: [f32; TOGETHER],
+    pub(super) grade: [f32; LANES],
     /// The index of the cell of the grid of margins under the middle of what may have lit the pixel's
     /// centre; negative if that is not certain, or none.
-    pub(super) middle: [i32; TOGETHER],
+    pub(super) middle: [i32; LANES],
     /// The same of the OEM under its far end.
-    pub(super) far_end: [i32; TOGETHER],
+    pub(super) far_end: [i32; LANES],
     /// How high the pixel may reach at most, decimetres.
-    pub(super) top_dm: [f32; TOGETHER],
+    pub(super) top_dm: [f32; LANES],
     /// About the square of how far from the camera, over the ground, its far end is, m².
-    pub(super) reach_squared: [f32; TOGETHER],
+    pub(super) reach_squared: [f32; LANES],
 }
 
-impl Glancer {
+impl PixelBounder {
     /// A glancer at the frame of `view`, for margins of `radius_m` in up to `grades` grades on the first
     /// of `grids` and heights on the second.
     pub(super) fn new(view: &CameraView, radius_m: f64, grades: f64, grids: [&Grid; 2]) -> Self {
@@ -76,7 +76,7 @@ impl Glancer {
             shares: model.depth_noise.map(|noise| (1.0 / (1.0 + noise)) as f32),
             grades_per_m: grades_per_m as f32,
             grades: (grades * (1.0 + DOUBT) + 2.0 * doubt_m * grades_per_m) as f32,
-            places: grids.map(|grid| Places::from(grid, &centre, doubt_m)),
+            places: grids.map(|grid| GridFromCamera::from(grid, &centre, doubt_m)),
             z_m: (centre.z + doubt_m) as f32,
             pixel: (1.0 / view.focal_px()) as f32,
         }
@@ -84,15 +84,15 @@ impl Glancer {
 
     /// A glance at pixels of depths `depth`; the ray of the first one is `first` and of each further one
     /// `step` more, `world`.
-    pub(super) fn glance(
+    pub(super) fn bounds(
         &self,
         first: &Vector3<f64>,
         step: &Vector3<f64>,
-        depth: &[u16; TOGETHER],
-    ) -> Glances {
+        depth: &[u16; LANES],
+    ) -> PixelBounds {
         let [first, step] = [first, step].map(|v| [v.x, v.y, v.z].map(|v| v as f32));
         let [margins, oem] = self.places;
-        let mut found = Glances::default();
+        let mut found = PixelBounds::default();
         for (lane, steps) in depth.iter().enumerate() {
             let [x, y, z] = [0, 1, 2].map(|axis| first[axis] + step[axis] * lane as f32);
             let across = x * x + y * y;
@@ -114,7 +114,7 @@ impl Glancer {
     }
 }
 
-impl Places {
+impl GridFromCamera {
     fn from(grid: &Grid, centre: &Vector3<f64>, doubt_m: f64) -> Self {
         let (origin, cells) = (grid.origin(), f64::from(grid.columns.max(grid.rows)));
         Self {
@@ -168,31 +168,31 @@ mod tests {
         f64::from(rng.next_u32()) / 2f64.powi(32)
     }
 
-    /// Checks a lane of `glances` against its pixel; how many of its ends are in a cell, and how many
+    /// Checks a lane of `bounds` against its pixel; how many of its ends are in a cell, and how many
     /// are certain to be.
     fn check(
         view: &CameraView,
         grids: [&Grid; 2],
-        glances: &Glances,
+        bounds: &PixelBounds,
         lane: usize,
         (ray, depth): (Vector3<f64>, u16),
     ) -> [usize; 2] {
         let [near, far] = view.model().depth_interval_m(depth);
         let across = ray.x.hypot(ray.y);
         let grade = (1.0 - (far - near) / 2.0 * across / RADIUS_M) * GRADES;
-        let above = f64::from(glances.grade[lane]) - grade;
+        let above = f64::from(bounds.grade[lane]) - grade;
         assert!((0.0..0.1).contains(&above), "{above} above {grade}");
         let rise = (ray.z * near).max(ray.z * far);
         let top_dm = 10.0 * (view.centre_world().z + rise + far / view.focal_px());
-        let above = f64::from(glances.top_dm[lane]) - top_dm;
+        let above = f64::from(bounds.top_dm[lane]) - top_dm;
         assert!((0.0..0.1).contains(&above), "{above} above {top_dm}");
-        assert!(!differ(glances.reach_squared[lane], (across * far).powi(2) as f32));
+        assert!(!differ(bounds.reach_squared[lane], (across * far).powi(2) as f32));
         let ends = [(near + far) / 2.0, far].map(|distance| view.centre_world() + ray * distance);
         let there = [0, 1].map(|i| {
             let cell = grids[i].cell_of([ends[i].x, ends[i].y]);
             cell.map(|(column, row)| grids[i].index(column, row) as i32)
         });
-        let seen = [glances.middle[lane], glances.far_end[lane]];
+        let seen = [bounds.middle[lane], bounds.far_end[lane]];
         let certain = seen.iter().zip(&there).filter(|(seen, there)| {
             assert!(**seen == -1 || Some(**seen) == **there, "{seen} {there:?}");
             **seen >= 0
@@ -212,15 +212,15 @@ mod tests {
             let [x, y] = [0, 0].map(|_| 700.0 * (draw(&mut rng) - 0.5));
             let pose = Pose::level([x, y, 40.0 + 30.0 * draw(&mut rng)], 7.0 * draw(&mut rng));
             let view = model.at(&pose);
-            let [u, v] = [model.columns - TOGETHER as u16, model.rows]
+            let [u, v] = [model.columns - LANES as u16, model.rows]
                 .map(|end| (draw(&mut rng) * f64::from(end)).floor() + 0.5);
             let [first, step] = [view.ray_world(u, v), view.ray_matrix().column(0).into()];
-            let depth = [0; TOGETHER].map(|_: u16| rng.next_u32() as u16);
-            let glancer = Glancer::new(&view, RADIUS_M, GRADES, grids);
-            let glances = glancer.glance(&first, &step, &depth);
+            let depth = [0; LANES].map(|_: u16| rng.next_u32() as u16);
+            let bounder = PixelBounder::new(&view, RADIUS_M, GRADES, grids);
+            let bounds = bounder.bounds(&first, &step, &depth);
             for (lane, &depth) in depth.iter().enumerate() {
                 let ray = (first + step * lane as f64).normalize();
-                let found = check(&view, grids, &glances, lane, (ray, depth));
+                let found = check(&view, grids, &bounds, lane, (ray, depth));
                 ends = [0, 1].map(|i| ends[i] + found[i]);
             }
         }

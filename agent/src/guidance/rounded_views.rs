@@ -14,7 +14,7 @@ use csat_proto::model::Ground;
 use csat_proto::raster::{Grid, Raster};
 
 use super::footprint::Footprint;
-use super::skyline::Skyline;
+use super::height_map::HeightMap;
 use super::viewshed::{RayCaster, Rays, Viewshed};
 use crate::config::AgentConfig;
 use crate::estimate::oem::Oem;
@@ -47,13 +47,13 @@ impl Aim {
 
 /// A pose, rounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct RoundedPose {
     cell: [i32; 2],
     heading: i32,
     altitude_mm: i32,
 }
 
-impl Place {
+impl RoundedPose {
     /// The place of `pose` on `grid`.
     pub(super) fn of(pose: &Pose, grid: &Grid) -> Self {
         let (p, origin) = (pose.p_world, grid.origin());
@@ -85,7 +85,7 @@ impl Place {
     }
 }
 
-impl Ord for Place {
+impl Ord for RoundedPose {
     /// One comparison: the search looks places up more than anything else.
     #[inline]
     fn cmp(&self, other: &Self) -> Ordering {
@@ -93,7 +93,7 @@ impl Ord for Place {
     }
 }
 
-impl PartialOrd for Place {
+impl PartialOrd for RoundedPose {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
@@ -104,14 +104,14 @@ pub(super) type Bits = (i32, i32, u64);
 
 /// F for one heading.
 #[derive(Debug, Clone)]
-pub(super) struct Outlook {
+pub(super) struct HeadingFootprint {
     /// Rows, and the columns in each, from the eye on.
     runs: Vec<(i32, Range<i32>)>,
     /// How far it goes, whatever the heading, metres on the ground.
     reach_m: f64,
 }
 
-impl Outlook {
+impl HeadingFootprint {
     /// What `camera` sees of a plane of cells of `cell_m`, above the middle of one of them, where nothing
     /// hides it.
     pub(super) fn of(camera: &CameraModel, aim: Aim, cell_m: f64) -> Self {
@@ -160,9 +160,9 @@ fn bits_between(start: i32, end: i32, word: i32) -> u64 {
 
 /// What is seen from a place: cells, as (word of a raster, bits).
 #[derive(Debug, Clone, Default)]
-pub(super) struct View(Vec<(u32, u64)>);
+pub(super) struct VisibleCells(Vec<(u32, u64)>);
 
-impl View {
+impl VisibleCells {
     pub(super) const fn nothing() -> Self {
         Self(Vec::new())
     }
@@ -207,24 +207,24 @@ impl View {
 
 /// The views of one map. What is remembered changes the time a look takes and nothing else.
 #[derive(Debug, Clone)]
-pub(super) struct Views {
+pub(super) struct RoundedViews {
     camera: CameraModel,
     grid: Grid,
     caster: RayCaster,
     /// With the rays that their cells take.
-    outlooks: BTreeMap<Aim, (Outlook, Rays)>,
+    footprints: BTreeMap<Aim, (HeadingFootprint, Rays)>,
     viewsheds: BTreeMap<Eye, Viewshed>,
-    known: BTreeMap<Place, View>,
+    known: BTreeMap<RoundedPose, VisibleCells>,
 }
 
-impl Views {
+impl RoundedViews {
     /// No view yet, on `grid`.
     pub(super) fn new(grid: Grid, config: &AgentConfig) -> Self {
         Self {
             camera: config.planning_camera(),
             grid,
             caster: RayCaster::new(grid, config.planning_camera().d_max_m),
-            outlooks: BTreeMap::new(),
+            footprints: BTreeMap::new(),
             viewsheds: BTreeMap::new(),
             known: BTreeMap::new(),
         }
@@ -235,32 +235,32 @@ impl Views {
         if self.caster.load(oem) || self.known.len() > MOST {
             self.known.clear();
             self.viewsheds.clear();
-            self.outlooks.clear();
+            self.footprints.clear();
         }
     }
 
     /// What stands in that world.
-    pub(super) fn skyline(&self) -> &Skyline {
-        self.caster.skyline()
+    pub(super) fn height_map(&self) -> &HeightMap {
+        self.caster.height_map()
     }
 
     /// F \ H^OEM at `place`.
-    pub(super) fn look(&mut self, place: Place) -> &View {
-        let Self { camera, grid, caster, outlooks, viewsheds, known } = self;
+    pub(super) fn look(&mut self, place: RoundedPose) -> &VisibleCells {
+        let Self { camera, grid, caster, footprints, viewsheds, known } = self;
         known.entry(place).or_insert_with(|| {
             let aim = place.aim_above(0.0);
-            let (outlook, rays) = outlooks.entry(aim).or_insert_with(|| {
-                let outlook = Outlook::of(camera, aim, grid.cell_m);
-                let rays = caster.rays_of(outlook.cells());
-                (outlook, rays)
+            let (footprint, rays) = footprints.entry(aim).or_insert_with(|| {
+                let footprint = HeadingFootprint::of(camera, aim, grid.cell_m);
+                let rays = caster.rays_of(footprint.cells());
+                (footprint, rays)
             });
             let viewshed = viewsheds.entry((place.cell, place.altitude_mm)).or_insert_with(|| {
                 let z_m = aim.pose().p_world[2];
-                caster.viewshed(place.cell, z_m, outlook.reach_m)
+                caster.viewshed(place.cell, z_m, footprint.reach_m)
             });
             caster.cast(viewshed, rays);
             let seen = |(row, word, bits)| (row, word, viewshed.seen(row, word, bits));
-            View::of(grid, outlook.words(place.cell, grid).map(seen))
+            VisibleCells::of(grid, footprint.words(place.cell, grid).map(seen))
         })
     }
 }

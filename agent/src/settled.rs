@@ -5,60 +5,33 @@ use std::sync::OnceLock;
 
 use csat_proto::raster::Raster;
 
-use super::oem::BlockHashes;
-use super::state::Knowledge;
-use crate::guidance::Looks;
+use crate::estimate::oem::BlockHashes;
+use crate::estimate::state::Knowledge;
+use crate::guidance::{PlannerRasters, ViewCache};
 use crate::identity::Identity;
 
 /// Knowledge that does not change any more, and what follows from it, found when first asked for.
 #[derive(Debug)]
-pub struct Settled {
+pub struct SettledKnowledge {
     knowledge: Knowledge,
     /// A hash of all that ever went into it.
     lineage: Identity,
     unexplored_cells: OnceLock<Raster>,
-    coarse: OnceLock<Coarse>,
-    looks: Looks,
+    planner_rasters: OnceLock<PlannerRasters>,
+    view_cache: ViewCache,
     block_hashes: OnceLock<BlockHashes>,
     digest: OnceLock<u64>,
 }
 
-/// The sets that the planner reads, as rasters.
-#[derive(Debug)]
-pub struct Coarse {
-    /// X^Δ (5.11).
-    pub wanted: Raster,
-    /// X°.
-    pub margin: Raster,
-    /// What was hidden to anybody of late (5.30).
-    pub hidden_recently: Raster,
-}
-
-impl Coarse {
-    /// The sets of `knowledge`, whose X̄ is `unexplored`.
-    pub fn of(knowledge: &Knowledge, unexplored: Raster) -> Self {
-        let grid = *unexplored.grid();
-        let mut wanted = unexplored;
-        for set in knowledge.targets.values() {
-            wanted.union_with(&Raster::of_region(grid, set.region()));
-        }
-        Self {
-            wanted,
-            margin: Raster::of_region(grid, knowledge.margin.region()),
-            hidden_recently: knowledge.hidden_recently(),
-        }
-    }
-}
-
-impl Settled {
+impl SettledKnowledge {
     /// Knowledge and a hash of all that went into it.
     pub fn new(knowledge: Knowledge, lineage: Identity) -> Self {
         Self {
             knowledge,
             lineage,
             unexplored_cells: OnceLock::new(),
-            coarse: OnceLock::new(),
-            looks: Looks::default(),
+            planner_rasters: OnceLock::new(),
+            view_cache: ViewCache::default(),
             block_hashes: OnceLock::new(),
             digest: OnceLock::new(),
         }
@@ -77,13 +50,14 @@ impl Settled {
     }
 
     /// The planner's sets as rasters.
-    pub fn coarse(&self) -> &Coarse {
-        self.coarse.get_or_init(|| Coarse::of(&self.knowledge, self.unexplored_cells().clone()))
+    pub fn planner_rasters(&self) -> &PlannerRasters {
+        self.planner_rasters
+            .get_or_init(|| PlannerRasters::of(&self.knowledge, self.unexplored_cells().clone()))
     }
 
     /// What is seen of its X^Δ from where in the world of its map, by the criterion of all who know this.
-    pub fn looks(&self) -> &Looks {
-        &self.looks
+    pub fn view_cache(&self) -> &ViewCache {
+        &self.view_cache
     }
 
     /// A hash of each block of its map.
@@ -97,7 +71,7 @@ impl Settled {
     }
 }
 
-impl Deref for Settled {
+impl Deref for SettledKnowledge {
     type Target = Knowledge;
 
     fn deref(&self) -> &Knowledge {

@@ -11,24 +11,24 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use csat_proto::camera::Pose;
 use csat_proto::raster::Raster;
 
-use super::views::View;
+use super::rounded_views::VisibleCells;
 
 /// What was seen of one X^Δ from where in one world, for one camera and criterion. It changes the time
 /// that a look takes and nothing else.
 #[derive(Default)]
-pub struct Looks {
+pub struct ViewCache {
     grown: OnceLock<Raster>,
-    known: Mutex<BTreeMap<[u64; 6], Arc<View>>>,
+    known: Mutex<BTreeMap<[u64; 6], Arc<VisibleCells>>>,
 }
 
-impl Looks {
+impl ViewCache {
     /// All that X^Δ may cover within the horizon; `grow` finds it if nobody has before.
     pub(super) fn grown(&self, grow: impl FnOnce() -> Raster) -> &Raster {
         self.grown.get_or_init(grow)
     }
 
     /// What is seen from `pose`; `look` finds it if nobody has before.
-    pub(super) fn at(&self, pose: &Pose, look: impl FnOnce() -> View) -> Arc<View> {
+    pub(super) fn at(&self, pose: &Pose, look: impl FnOnce() -> VisibleCells) -> Arc<VisibleCells> {
         let Pose { p_world: [x, y, z], yaw_rad, pitch_rad, roll_rad } = *pose;
         let key = [x, y, z, yaw_rad, pitch_rad, roll_rad].map(f64::to_bits);
         let known = self.known().get(&key).cloned();
@@ -45,13 +45,13 @@ impl Looks {
         self.known().len()
     }
 
-    fn known(&self) -> MutexGuard<'_, BTreeMap<[u64; 6], Arc<View>>> {
+    fn known(&self) -> MutexGuard<'_, BTreeMap<[u64; 6], Arc<VisibleCells>>> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl fmt::Debug for Looks {
+impl fmt::Debug for ViewCache {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Looks").finish_non_exhaustive()
+        f.debug_struct("ViewCache").finish_non_exhaustive()
     }
 }

@@ -1,4 +1,4 @@
-//! What of the others' messages is believed, kept until it can be applied.
+//! Which messages of other agents are believed, and facts kept until they can be applied.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -9,26 +9,26 @@ use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::message::{Fact, Known, Message, Plan};
 use csat_proto::time::Step;
 
-use super::held::Held;
 use super::validate::{self, Rejection};
-use crate::commons::Commons;
+use super::version_vector::VersionVector;
 use crate::config::AgentConfig;
-use crate::estimate::evidence::Heard;
+use crate::estimate::evidence::ReceivedFact;
 use crate::identity::Identity;
 use crate::mutant::{Mutant, is_on};
 
-/// Valid facts and snapshots that wait for the next update.
+/// Believes or rejects checked messages, and keeps facts and snapshots for the next update.
 #[derive(Debug, Clone)]
-pub struct Inbox {
+pub struct Receiver {
     config: AgentConfig,
-    commons: Commons,
+    /// The newest incarnation of each agent of which a message was believed.
     incarnations: BTreeMap<AgentId, Incarnation>,
-    waiting: Vec<Heard>,
+    waiting: Vec<ReceivedFact>,
 }
 
-/// A message that passed its checks, as whoever receives it at a step reads it.
+/// A message that passed the checks that are the same for every receiver at a step.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Letter {
+pub struct CheckedMessage {
+    identity: Identity,
     src: AgentId,
     incarnation: Incarnation,
     sequence: u64,
@@ -43,9 +43,17 @@ enum Body {
     Plan(Plan),
 }
 
-impl Letter {
-    /// Decodes and checks a message that arrived at step `now`.
-    fn read(config: &AgentConfig, now: Step, bytes: &[u8]) -> Result<Self, Rejection> {
+impl CheckedMessage {
+    /// Decodes and checks a message, with its identity, that arrived at step `now`.
+    ///
+    /// # Errors
+    /// The first check that it did not pass.
+    pub fn decode(
+        config: &AgentConfig,
+        now: Step,
+        identity: Identity,
+        bytes: &[u8],
+    ) -> Result<Self, Rejection> {
         let envelope = Envelope::decode(bytes)?;
         let body = match validate::check(config, now, &envelope)? {
             Message::Plan(plan) => Body::Plan(plan),
@@ -56,7 +64,7 @@ impl Letter {
             },
         };
         let Envelope { src, incarnation, sequence, pose, .. } = envelope;
-        Ok(Self { src, incarnation, sequence, p_world: pose.p_world, body })
+        Ok(Self { identity, src, incarnation, sequence, p_world: pose.p_world, body })
     }
 }
 
@@ -72,35 +80,36 @@ pub enum Received {
         /// What its frame proved.
         fact: Arc<Fact>,
     },
-    /// Somebody's flight plan, yet to be judged by the scheduler.
+    /// A flight plan, which the scheduler has yet to check.
     Plan {
         /// The sender.
         from: AgentId,
-        /// Its life.
+        /// Its incarnation.
         incarnation: Incarnation,
         /// The plan.
         plan: Plan,
     },
-    /// Heard before, or waiting already: it would change nothing.
+    /// Applied before, or waiting already: it would change nothing.
     Repeat,
 }
 
-impl Inbox {
-    /// An inbox that has heard nobody.
-    pub fn new(config: &AgentConfig, commons: Commons) -> Self {
-        Self { config: config.clone(), commons, incarnations: BTreeMap::new(), waiting: Vec::new() }
+impl Receiver {
+    /// A receiver without any message.
+    pub fn new(config: &AgentConfig) -> Self {
+        Self { config: config.clone(), incarnations: BTreeMap::new(), waiting: Vec::new() }
     }
 
-    /// Decodes, checks and files a message that arrived at the receiver's step `now`, unless it
-    /// repeats what is held.
+    /// Keeps the facts of a message for the next update, unless it repeats what is in `held` or waits
+    /// already. Plans are handed back.
     ///
     /// # Errors
     /// Why it is not believed; then nothing has changed.
-    pub fn receive(&mut self, now: Step, bytes: &[u8], held: &Held) -> Result<Received, Rejection> {
-        let identity = Identity::of(bytes);
-        let letter =
-            self.commons.letter(now, identity, || Letter::read(&self.config, now, bytes))?;
-        let Letter { src, incarnation, sequence, p_world, ref body } = *letter;
+    pub fn receive(
+        &mut self,
+        message: &CheckedMessage,
+        held: &VersionVector,
+    ) -> Result<Received, Rejection> {
+        let CheckedMessage { identity, src, incarnation, sequence, p_world, ref body } = *message;
         validate::check_sender(&self.config, src)?;
         let known = self.incarnations.get(&src).copied().unwrap_or_default();
         if incarnation < known && !is_on(Mutant::StaleIncarnationAccepted) {
@@ -110,9 +119,9 @@ impl Inbox {
             Body::Plan(plan) => return Ok(Received::Plan { from: src, incarnation, plan }),
             Body::Knowledge { fact, known } => (fact, known),
         };
-        // An answer tells more than the fact whose number it has, even to who has applied that.
+        // An answer contains more than the fact whose number it has, so it is no repeat of that fact.
         let is_answer = sequence >= FIRST_ANSWER;
-        let is_same = |h: &Heard| {
+        let is_same = |h: &ReceivedFact| {
             let stamp = (h.src, h.incarnation, h.fact.number, h.known.is_some(), h.is_answer);
             stamp == (src, incarnation, fact.number, known.is_some(), is_answer)
         };
@@ -126,11 +135,11 @@ impl Inbox {
         }
         self.believe(src, incarnation);
         let received = Received::Knowledge { from: src, p_world, fact: fact.clone() };
-        self.waiting.push(Heard { src, incarnation, fact, known, is_answer, identity });
+        self.waiting.push(ReceivedFact { src, incarnation, fact, known, is_answer, identity });
         Ok(received)
     }
 
-    /// Something of this life of an agent was believed: earlier lives are over.
+    /// A message of this incarnation of an agent was believed: its earlier incarnations are over.
     pub fn believe(&mut self, src: AgentId, incarnation: Incarnation) {
         let known = self.incarnations.entry(src).or_default();
         *known = incarnation.max(*known);
@@ -142,13 +151,13 @@ impl Inbox {
         steps.saturating_mul(usize::from(self.config.agents()))
     }
 
-    /// Whether anything waits that can be applied at `now`.
+    /// Whether a fact waits that can be applied at `now`.
     pub fn has_due(&self, now: Step) -> bool {
         self.waiting.iter().any(|h| h.fact.step <= now)
     }
 
-    /// Takes everything that can be applied at `now`; what comes from a step ahead stays.
-    pub fn take_due(&mut self, now: Step) -> Vec<Heard> {
+    /// Takes all that can be applied at `now`; facts of later steps go on waiting.
+    pub fn take_due(&mut self, now: Step) -> Vec<ReceivedFact> {
         self.waiting.extract_if(.., |h| h.fact.step <= now).collect()
     }
 }
