@@ -106,10 +106,12 @@ fn a_replay_is_heard_and_ends_with_ctrl_c() {
         assert_eq!(got, encoding, "{wanted}");
         serde_json::from_str::<serde_json::Value>(&body).unwrap();
     }
-    let replies = session.get("csat/7/truth/town").wait().unwrap();
-    let reply = replies.recv_timeout(LIMIT).unwrap().expect("the town is told to whoever asks");
-    let town = reply.into_result().unwrap().payload().try_to_string().unwrap().into_owned();
-    assert!(town.contains("\"building\""));
+    for (key, part) in [("town", "\"building\""), ("layers", "\"unexplored\"")] {
+        let replies = session.get(format!("csat/7/truth/{key}")).wait().unwrap();
+        let reply = replies.recv_timeout(LIMIT).unwrap().expect("an answer");
+        let said = reply.into_result().unwrap().payload().try_to_string().unwrap().into_owned();
+        assert!(said.contains(part), "{key}");
+    }
     let kill = format!("kill -INT {}", child.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();

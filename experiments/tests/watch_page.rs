@@ -270,6 +270,68 @@ fn odd_documents_leave_the_page_working() {
     assert_eq!(browser.complaints, Vec::<String>::new());
 }
 
+/// What `truth/layers` lists is drawn, whatever the mission; what was switched off stays off.
+#[test]
+fn the_layers_of_another_mission_show() {
+    let Some(mut browser) = browser() else { return };
+    let runtime = tokio::runtime::Runtime::new().unwrap();
+    let (hub, address) = live(&runtime, &[]);
+    browser.resize(1280, 800);
+    browser.open(&address);
+    let legend = "[...document.querySelectorAll('#layers span')].map((e) => e.textContent)";
+    let of_old = browser.value(&format!("{legend}[0]"));
+    assert!(of_old.as_str().unwrap().starts_with("X̄ unexplored"), "{of_old}");
+    browser.click("#layer-roads");
+
+    let red = json!({"fixed": "#C03010"});
+    let hatch = json!({"hatch": {"spacing_px": 5.0, "width_px": 1.5, "falling": true}});
+    let square = json!([[[[0, 0], [40, 0], [40, 40], [0, 40], [0, 0]]]]);
+    let area = json!({"geometry": {"type": "MultiPolygon", "coordinates": square}});
+    let car = json!({"geometry": {"type": "Point", "coordinates": [-60, -60]}, "properties": {"target": 2}});
+    let values: Vec<f64> = (0..100).map(|cell| f64::from(cell) / 100.0).collect();
+    let said = [
+        ("truth/town", json!({"features": [], "agents": 1, "targets": 3, "size_m": [200, 200]})),
+        (
+            "truth/layers",
+            json!({"layers": [
+                {"key": "belief", "title": "belief", "kind": "heat", "colour": red, "unit": "per ha", "ground": true},
+                {"key": "blocked", "title": "blocked", "kind": "areas", "colour": red, "fill": hatch},
+                {"key": "cars", "title": "cars seen", "kind": "points", "colour": {"by": "target"}, "label": "target"},
+                {"key": "<b>", "title": "no key", "kind": "areas"},
+                {"key": "later", "title": "no kind", "kind": "of tomorrow"},
+            ]}),
+        ),
+        (
+            "view/0/pose",
+            json!({"time_s": 1.0, "p_world": [0, 0, 50], "yaw_rad": 0, "footprint": []}),
+        ),
+        (
+            "view/0/belief",
+            json!({"time_s": 1.0, "cell_m": 20, "origin_m": [-100, -100], "columns": 10,
+            "maximum": 1.0, "values": values}),
+        ),
+        ("view/0/blocked", json!({"time_s": 1.0, "features": [area]})),
+        ("view/0/cars", json!({"time_s": 1.0, "features": [car]})),
+    ];
+    hub.publish(
+        said.iter()
+            .map(|(topic, body)| Document::parse(*topic, body.to_string().as_bytes()).unwrap()),
+    );
+    browser.wait_for("document.getElementById('time').textContent === '1.0 s'");
+    let words = browser.value(&format!("{legend}.slice(0, 4)"));
+    assert_eq!(words, json!(["belief: up to 1 per ha", "blocked", "cars seen", "paths"]));
+    assert_eq!(browser.value("layerShown('roads')"), false);
+    for layer in ["belief", "blocked", "cars"] {
+        let before = picture(&mut browser, "ground");
+        browser.click(&format!("#layer-view-{layer}"));
+        assert_ne!(picture(&mut browser, "ground"), before, "{layer} shows nothing");
+        browser.click(&format!("#layer-view-{layer}"));
+        assert_eq!(picture(&mut browser, "ground"), before, "{layer}");
+    }
+    shot(&mut browser, "other-mission");
+    assert_eq!(browser.complaints, Vec::<String>::new());
+}
+
 /// The pictures of the documentation, from the shipped storm.
 #[test]
 #[ignore = "flies two minutes of the paper's city: only for the pictures of the documentation"]

@@ -93,7 +93,7 @@ pub struct Heat {
     pub columns: u32,
     /// The value that is drawn darkest; the lightest is 0.
     pub maximum: f64,
-    /// Values, row by row from the south.
+    /// Values, row by row from the south; finite.
     pub values: Vec<f64>,
 }
 
@@ -168,8 +168,8 @@ impl Heat {
     /// no number are in none.
     pub fn bands(&self, count: u16) -> Vec<Cells> {
         let band_of = |value: f64| {
-            let share = (value / self.maximum * f64::from(count)).ceil().min(f64::from(count));
-            (share >= 1.0).then(|| share as u16 - 1)
+            let end = (value / self.maximum * f64::from(count)).ceil().min(f64::from(count));
+            (value > 0.0).then(|| (end as u16).saturating_sub(1))
         };
         let at = |index: usize| (index as u32 % self.columns, index as u32 / self.columns);
         let of_band = |band: u16| {

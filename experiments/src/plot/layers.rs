@@ -190,13 +190,11 @@ fn shares(bands: &[Cells]) -> impl Iterator<Item = (f64, &Cells)> {
     shares.filter(|(_, cells)| !cells.runs.is_empty())
 }
 
-/// The upper ends of the bands of a layer of heights or values, with their unit.
-pub fn scale(style: &Style, content: &Content) -> Option<[String; BANDS as usize]> {
+/// The upper ends of the bands of a layer of heights, with their unit, or of values.
+pub fn scale(content: &Content) -> Option<[String; BANDS as usize]> {
     let (highest, unit) = match content {
         Content::Heights(oem) => (f64::from(oem.highest_dm()) / 10.0, "m"),
-        Content::Heat(Heat { maximum, .. }) => {
-            (*maximum, style.unit.as_deref().unwrap_or_default())
-        }
+        Content::Heat(Heat { maximum, .. }) => (*maximum, ""),
         _ => return None,
     };
     let digits = if highest < 2.0 { 2 } else { 0 };

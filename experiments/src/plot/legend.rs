@@ -86,7 +86,10 @@ impl Legend {
                 let colour = layers::colour_of(&style.colour, &none);
                 self.row(sample.set("fill", "none").set("stroke", colour), &style.title);
             }
-            Form::Heat => self.row(layers::value(style, 1.0, sample), &style.title),
+            Form::Heat => {
+                let unit = style.unit.as_ref().map(|unit| format!(", {unit}")).unwrap_or_default();
+                self.row(layers::value(style, 1.0, sample), &format!("{}{unit}", style.title));
+            }
             Form::Points => {
                 let middle = [self.x + 11.0, self.middle()];
                 self.row(layers::point(style, &none, middle), &style.title);
@@ -96,7 +99,7 @@ impl Legend {
 
     /// The colours of heights or values: of cells that were not seen and that are empty, then of bands.
     fn scale(&mut self, style: &Style, layer: Option<&Layer>) {
-        let Some(ends) = layer.and_then(|layer| layers::scale(style, &layer.content)) else {
+        let Some(ends) = layer.and_then(|layer| layers::scale(&layer.content)) else {
             self.y += ROW_PX;
             return;
         };
@@ -106,14 +109,16 @@ impl Legend {
         let say = |at: f64, words: &str| text(x + at + 17.0, y + 14.0, 9.0, words);
         let unseen = square(0.0).set("fill", "#ffffff").set("stroke", town::BUILDING_EDGE);
         let mut row = group("heights");
+        let mut at = 0.0;
         if style.kind == Form::Heights {
             let empty = square(62.0).set("fill", layers::EMPTY);
             row = row.add(unseen).add(say(0.0, "not seen")).add(empty).add(say(62.0, "empty"));
+            at = 112.0;
         }
         for (band, end) in ends.iter().enumerate() {
-            let at = 112.0 + 44.0 * band as f64;
             let share = band as f64 / f64::from(layers::BANDS - 1);
             row = row.add(layers::value(style, share, square(at))).add(say(at, end));
+            at += 44.0;
         }
         self.add(row);
         self.y += ROW_PX;

@@ -489,7 +489,11 @@ fn the_layers_of_any_mission_are_drawn() {
     let places = places.map(|key| svg.find(&format!("class=\"{key}\"")).unwrap());
     assert!(places.is_sorted(), "{places:?}");
     assert!(svg.contains("What it believes") && svg.contains("title of swept"));
-    assert!(svg.contains("≤0.20 per ha") && svg.contains("2 of 6 cars identified"));
+    assert!(
+        svg.contains("≤0.20")
+            && svg.contains("title of belief, per ha")
+            && svg.contains("2 of 6 cars identified")
+    );
     assert!(svg.contains("url(#hatch-blocked-3)") && svg.contains("id=\"hatch-blocked-3\""));
     for gone in ["unexplored", "OEM", "NaN"] {
         assert!(!svg.contains(gone), "{gone}");

@@ -49,7 +49,7 @@ impl Drawn {
         }
     }
 
-    /// Leaves out corners that nobody sees.
+    /// Leaves out corners that do not show.
     pub fn thin(&mut self) {
         let Content::Areas(areas) = &mut self.content else { return };
         for ring in areas.iter_mut().flat_map(|area| &mut area.shapes).flatten() {

@@ -56,6 +56,7 @@ fn viewers_find_what_they_know_and_times_increase() {
         ("/metrics", "csat.TruthMetrics", "jsonschema"),
         ("view/1/pose", "csat.ViewPose", "jsonschema"),
         ("truth/town", "csat.TruthTown", "jsonschema"),
+        ("truth/layers", "csat.TruthLayers", "jsonschema"),
     ] {
         let wanted = (topic.to_owned(), name.to_owned(), encoding.to_owned());
         assert!(schemas.contains(&wanted), "{wanted:?} of {schemas:#?}");

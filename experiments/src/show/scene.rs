@@ -252,3 +252,45 @@ fn at([x, y, z]: [f64; 3], yaw_rad: f64) -> FoxglovePose {
         orientation: Some(Quaternion { x: 0.0, y: 0.0, z: sin, w: cos }),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::set_membership::layers::LAYERS;
+    use csat_mission::picture::{Area, Heat};
+    use csat_proto::ids::AgentId;
+
+    fn entity_of(content: Content) -> SceneEntity {
+        let drawn = Drawn { style: &LAYERS[0], content };
+        let (agent, footprint) = (AgentId(2), Vec::new());
+        let seen = Seen { agent, footprint, layers: vec![drawn.clone()], is_repeated: false };
+        layer(0, &drawn, &seen)
+    }
+
+    #[test]
+    fn every_kind_of_layer_is_drawn() {
+        let ring = vec![[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]];
+        let area = Area { shapes: vec![vec![ring.clone(), ring]], ..Area::default() };
+        let areas = entity_of(Content::Areas(vec![area]));
+        assert_eq!((areas.id.as_str(), areas.lines.len()), ("unexplored of 2", 2));
+        let cells = Cells { cell_m: 5.0, runs: vec![[0, 0, 2], [1, 3, 4]], ..Cells::default() };
+        let cells = entity_of(Content::Cells(cells));
+        // Two rectangles of two triangles.
+        assert_eq!(cells.triangles[0].points.len(), 2 * 2 * 3);
+        let heat = Heat {
+            cell_m: 5.0,
+            columns: 1,
+            maximum: 1.0,
+            values: vec![0.1, 1.0],
+            ..Heat::default()
+        };
+        let heat = entity_of(Content::Heat(heat));
+        let alpha = |band: usize| heat.triangles[band].color.as_ref().unwrap().a;
+        assert!(alpha(0) < alpha(4) && heat.triangles[4].points.len() == 6);
+        let oem = Oem { cell_m: 5.0, occupied: vec![(1, 0, 120)], ..Oem::default() };
+        let heights = entity_of(Content::Heights(oem));
+        let size = heights.cubes[0].size.unwrap();
+        assert_eq!([size.x, size.y, size.z], [5.0, 5.0, 12.0]);
+        assert_eq!(entity_of(Content::Points(vec![Mark::default()])).cubes.len(), 1);
+    }
+}
