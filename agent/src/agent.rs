@@ -1,10 +1,10 @@
 //! The sans-I/O agent of the set-membership mission: frames and messages in, messages and commands
 //! out.
 //!
-//! Within a step: the frame, if the agent has a camera, is measured and what it proved is said at once; in
-//! [`handle_timeout`](csat_proto::agent::Agent::handle_timeout) it is applied together with all that
-//! others said, and, every T_MPC, guidance decides. Applied together and in one order, the same news
-//! make the same sets in every agent.
+//! Within a step the agent measures its frame, if it has a camera, and sends what the frame proved at once.
+//! In [`handle_timeout`](csat_proto::agent::Agent::handle_timeout) it applies the frame together with all
+//! facts that arrived, and every T_MPC guidance decides. All evidence of a step is applied together and in
+//! one order, so the same evidence makes the same sets in every agent.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -57,41 +57,41 @@ pub struct SetMembershipAgent {
     sensor: Sensor,
     estimator: Estimator,
     planner: Planner,
-    /// Where buildings may be higher than the flights.
+    /// The free airspace; `None` where all buildings are below the flights.
     airspace: Option<Airspace>,
     scheduler: Scheduler,
     knowledge: Arc<SettledKnowledge>,
-    /// Which facts the knowledge contains.
+    /// The facts that the knowledge contains.
     version_vector: VersionVector,
     receiver: Receiver,
     transmitter: Transmitter,
     repair: Repair,
     pose: Pose,
-    /// What the last decision intends, (5.35).
+    /// The poses of the last decision (5.35).
     planned: Vec<Pose>,
-    /// The heading last commanded, which the vehicle flies or turns to.
+    /// The heading of the last command, which the vehicle flies or turns to.
     commanded_yaw_rad: Option<f64>,
     own_frame: OwnFrame,
-    /// The newest fact of each neighbour, and where it told it, `world`, metres.
+    /// The newest fact of each other UAV, and its position when it sent it, `world`, metres.
     last_facts: BTreeMap<AgentId, (Arc<Fact>, [f64; 2])>,
     rejected: BTreeMap<&'static str, u64>,
-    /// Of whose messages which reasons were reported.
+    /// The reasons that were reported, with the senders of the messages.
     reported: BTreeSet<(&'static str, Option<AgentId>)>,
     commands: VecDeque<YawCommand>,
     events: VecDeque<Event>,
     now: SimTime,
-    /// A plan of another UAV came since the last [`Agent::handle_timeout`].
+    /// Whether a plan of another UAV arrived since the last [`Agent::handle_timeout`].
     plan_arrived: bool,
 }
 
 impl SetMembershipAgent {
-    /// An agent that knows nothing but its configuration.
+    /// An agent without knowledge, which shares no results with other agents.
     pub fn new(config: &AgentConfig) -> Self {
         Self::with_cache(config, Arc::default())
     }
 
-    /// The same, as one of several agents in a process that share `cache`; their configurations must
-    /// differ in `id` and `incarnation` only.
+    /// An agent without knowledge, one of several in a process that share `cache`. The configurations of
+    /// these agents must not differ except in `id` and `incarnation`.
     pub fn with_cache(config: &AgentConfig, cache: Arc<SharedCache>) -> Self {
         Self {
             sensor: Sensor::new(config),
@@ -138,9 +138,9 @@ impl SetMembershipAgent {
         self.own_frame.measured().filter(|_| !self.config.is_station())
     }
 
-    /// How old the newest frame of another UAV is that this agent heard of from that UAV, mean over the
-    /// other UAVs, seconds: the age of information. One that was never heard has the age of the mission.
-    /// `None` where there is no other UAV.
+    /// The age of information: the age of the newest frame of another UAV of which this agent received a
+    /// fact from that UAV, mean over the other UAVs, seconds. For a UAV from which no fact arrived it is the
+    /// age of the mission. `None` without other UAVs.
     ///
     /// # References
     /// S. Kaul, R. Yates, M. Gruteser, *Real-time status: how often should one update?*, INFOCOM 2012.
@@ -153,22 +153,22 @@ impl SetMembershipAgent {
         (!ages.is_empty()).then(|| ages.iter().sum::<f64>() / ages.len() as f64)
     }
 
-    /// The pose of its last frame, or of its last step where there is no camera.
+    /// The pose of its last frame, or of its last step if it has no camera.
     pub fn pose(&self) -> &Pose {
         &self.pose
     }
 
-    /// Where it intends to be at the ends of the blocks of T_MPC; empty before its first decision.
+    /// The poses that it plans at the ends of the blocks of T_MPC; empty before its first decision.
     pub fn planned(&self) -> &[Pose] {
         &self.planned
     }
 
-    /// How many messages were dropped as invalid, by reason.
+    /// How many messages and own frames were dropped, by reason.
     pub fn rejected(&self) -> &BTreeMap<&'static str, u64> {
         &self.rejected
     }
 
-    /// How many steps it did not tell of because nothing fitted its budget.
+    /// How many steps it sent no fact of because none fitted its budget.
     pub fn withheld(&self) -> u64 {
         self.transmitter.withheld()
     }
@@ -197,7 +197,7 @@ impl SetMembershipAgent {
         self.own_frame.pending().map_or(self.knowledge.step, |(step, _)| step)
     }
 
-    /// Applies the own frame, if that is still to be done, and what was heard.
+    /// Applies the own frame, if it is not applied yet, and all facts that arrived.
     fn update(&mut self) {
         let step = self.step();
         if self.own_frame.pending().is_none() && !self.receiver.has_due(step) {
@@ -209,7 +209,7 @@ impl SetMembershipAgent {
             self.version_vector.apply(self.config.id, self.config.incarnation, number);
         }
         for h in &heard {
-            // The fact that an answer is numbered by is among those that it lists.
+            // The fact whose number an answer has is among those that the answer lists.
             if !h.is_answer {
                 self.version_vector.apply(h.src, h.incarnation, h.fact.number);
             }
@@ -231,16 +231,17 @@ impl SetMembershipAgent {
         self.report(&changes);
     }
 
-    /// What the knowledge will be made of: all so far, the own frame and all that was heard.
+    /// The lineage of the knowledge after an update with the own frame and the received facts.
     ///
-    /// Who told a frame in full knows the same as who heard of it, unless clocks may differ.
+    /// A frame that was told in full stands for the same evidence in its sender as in the receivers of the
+    /// fact, unless clocks may differ.
     fn lineage(&self, heard: &[ReceivedFact]) -> Identity {
         let AgentConfig { id, incarnation, exchange, .. } = &self.config;
         let told = |said: &SentFact| said.in_full && exchange.clock_skew_s == 0.0;
         let step = self.own_frame.pending().map(|(step, _)| step);
         let own = step.and_then(|step| match self.own_frame.pending_said().filter(told) {
             Some(said) => Some(said.identity),
-            // What proves nothing need not be known.
+            // The step of a station proves nothing.
             None if self.config.is_station() => None,
             None => Some(Identity::of_all([id.0.into(), incarnation.0.into(), step.0.into()])),
         });
@@ -267,20 +268,20 @@ impl SetMembershipAgent {
         self.events.extend(identified.chain(inconsistent));
     }
 
-    /// Where UAVs are, as far as is known.
+    /// The last known positions of UAVs.
     fn fleet(&self) -> Vec<[f64; 2]> {
         let own = [self.pose.p_world[0], self.pose.p_world[1]];
         let own = (!self.config.is_station()).then_some(own);
         own.into_iter().chain(self.last_facts.values().map(|(_, at)| *at)).collect()
     }
 
-    /// Which agent sent a message; `None` for a sender that is none: there may be any number of those.
+    /// The agent that sent a message; `None` for an invalid sender, of which there may be any number.
     fn sender_of(&self, bytes: &[u8]) -> Option<AgentId> {
         let sender = Envelope::decode(bytes).ok()?.src;
         (sender.0 < self.config.agents()).then_some(sender)
     }
 
-    /// Checks a message, unless another agent of the process did, and keeps what it tells.
+    /// Checks a message, unless another agent of the process did already, and keeps its facts.
     fn receive(&mut self, bytes: &[u8]) -> Result<Received, Rejection> {
         let (now, config) = (self.step(), &self.config);
         let identity = Identity::of(bytes);
@@ -294,13 +295,13 @@ impl SetMembershipAgent {
         *self.rejected.entry(reason).or_default() += 1;
         if self.reported.insert((reason, from)) {
             let (step, detail) = (self.knowledge.step, dropped.to_string());
-            // Links that damage messages make many of these: the terminal gets their sum at the end.
+            // Links that damage messages cause many of these; the terminal shows only their sum at the end.
             tracing::info!(agent = %self.config.id, ?from, reason, detail, "dropped");
             self.events.push_back(Event::Rejected { step, from, reason: reason.into(), detail });
         }
     }
 
-    /// A step begins at `pose`: what `measure` proves of it is said at once.
+    /// Begins a step at `pose`: measures its frame with `measure` and sends what it proved.
     fn begin(
         &mut self,
         now: SimTime,
@@ -311,11 +312,11 @@ impl SetMembershipAgent {
         self.now = now;
         let last = self.step();
         if self.own_frame.measured().is_some() && step <= last {
-            // What it shows is of then, and would be believed of now.
+            // The frame shows the past, and would be applied to the present.
             return self.reject(None, &DropReason::OldFrame { got: step.0, last: last.0 });
         }
         self.pose = pose;
-        // The frame before was never followed by a timeout: whoever drives this is late.
+        // A frame that is still pending had no timeout: the driver is late.
         self.update();
         let measured = measure(&mut self.sensor);
         let held = match self.config.exchange.mode {
@@ -340,7 +341,7 @@ impl SetMembershipAgent {
         self.scheduler.on_frame(now, step);
     }
 
-    /// One pass of guidance: plan, announce, and after the last one command the vehicle.
+    /// One pass of guidance: plans, sends the plan, and after the last pass commands the vehicle.
     fn decide(&mut self, pass: Pass) {
         let yaw_rad = self.commanded_yaw_rad.unwrap_or(self.pose.yaw_rad);
         let (decision, way_out) = info_span!("guidance").in_scope(|| self.plan(&pass, yaw_rad));
@@ -360,8 +361,7 @@ impl SetMembershipAgent {
         }
     }
 
-    /// What to fly from the current pose, the heading being the one last commanded, and what can be
-    /// flown behind the first block of it.
+    /// The decision from the current pose with the heading `yaw_rad`, and the way out behind its first block.
     fn plan(&mut self, pass: &Pass, yaw_rad: f64) -> (Decision, Option<WayOut>) {
         let pose = Pose { yaw_rad, ..self.pose };
         let oem = &self.knowledge.oem;
@@ -424,7 +424,7 @@ impl Agent for SetMembershipAgent {
                 match self.scheduler.on_plan(from, &plan) {
                     Ok(()) => {
                         self.receiver.believe(from, incarnation);
-                        // A station has no decision that waits for it.
+                        // No decision of a station waits for it.
                         self.plan_arrived |= !self.config.is_station();
                     }
                     Err(error) => self.reject(Some(from), &error.into()),
@@ -450,7 +450,7 @@ impl Agent for SetMembershipAgent {
     }
 
     fn answer(&mut self, now: SimTime) -> Option<Transmit> {
-        // A frame that is measured but not applied is not in the knowledge yet.
+        // A pending frame is not part of the knowledge yet.
         if self.own_frame.pending().is_some() || self.config.exchange.mode == ExchangeMode::None {
             return None;
         }

@@ -1,4 +1,4 @@
-//! Everything an agent is told before the start.
+//! The configuration of an agent.
 
 use csat_proto::camera::CameraModel;
 use csat_proto::ids::{AgentId, ChannelId, Incarnation, RunId};
@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 /// The configuration of one agent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AgentConfig {
-    /// The run whose messages count.
+    /// The run; messages of other runs are dropped.
     pub run: RunId,
     /// i.
     pub id: AgentId,
-    /// The agent's life.
+    /// The agent's incarnation.
     pub incarnation: Incarnation,
     /// T, seconds between frames.
     pub period_s: f64,
@@ -33,11 +33,11 @@ pub struct AgentConfig {
     pub guidance: GuidanceConfig,
     /// `[exchange]`.
     pub exchange: ExchangeConfig,
-    /// Which radio carries what.
+    /// Which radio carries which messages.
     pub channels: Channels,
 }
 
-/// The names, in the scenario, of the radios that carry what.
+/// The names, in the scenario, of the radios that carry each kind of message.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ChannelNames {
@@ -56,7 +56,7 @@ impl Default for ChannelNames {
     }
 }
 
-/// Which radio carries what.
+/// Which radio carries each kind of message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Channels {
     /// Facts.
@@ -78,13 +78,13 @@ impl AgentConfig {
         (self.fleet.count..self.agents()).contains(&self.id.0)
     }
 
-    /// How many steps it takes until `seconds` are over, as many as can be counted at most.
+    /// The number of steps until `seconds` are over, at most [`u32::MAX`].
     pub fn steps(&self, seconds: f64) -> u32 {
         // The conversion saturates.
         (seconds / self.period_s).ceil() as u32
     }
 
-    /// The grid of the coarse sets: hidden ground and planning.
+    /// The grid of the rasters: hidden ground and planning.
     pub fn raster_grid(&self) -> Grid {
         Grid::covering(&self.ground, self.estimator.raster_cell_m)
     }
@@ -94,8 +94,8 @@ impl AgentConfig {
         self.guidance.criterion != Criterion::Str1
     }
 
-    /// The camera as guidance sees it. Rays and windows are laid out for all of its d_max, so it looks no
-    /// farther than there is ground to see: all of X_g from twice its diagonal away.
+    /// The camera for guidance. Guidance lays out rays and windows up to d_max, so d_max is limited to what
+    /// is needed to see all of X_g from twice its diagonal away.
     pub fn planning_camera(&self) -> CameraModel {
         planning_camera(self.camera, &self.ground, &self.fleet)
     }
@@ -114,7 +114,7 @@ pub fn planning_camera(camera: CameraModel, ground: &Ground, fleet: &FleetModel)
     CameraModel { d_max_m: camera.d_max_m.min(farthest_m), ..camera }
 }
 
-/// `[estimator]`: how sets are computed and kept small. Nothing here can break the guarantee.
+/// `[estimator]`: how sets are computed and kept small. No value here can break the guarantee.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct EstimatorConfig {
@@ -122,14 +122,14 @@ pub struct EstimatorConfig {
     pub disc_vertices: u16,
     /// How far a simplification may shift the border of a set, metres.
     pub simplify_m: f64,
-    /// The same for the obstacle margin, which is scalloped by nature, metres.
+    /// The same for the obstacle margin, whose border consists of many small arcs, metres.
     pub simplify_margin_m: f64,
     /// How far corners of the clear ground's outline in the image may be cut, pixels.
     pub outline_tolerance_px: f64,
-    /// The most vertices of a set that was measured or is about to grow: beyond it outer sets are simplified
-    /// outward and inner ones inward.
+    /// The most vertices of a set that was measured or is about to grow. Sets with more are simplified, outer
+    /// approximations outward and inner ones inward.
     pub max_vertices: u32,
-    /// Cell of the coarse sets (hidden ground, planning), metres.
+    /// Cell of the rasters (hidden ground, planning), metres.
     pub raster_cell_m: f64,
     /// Cell of the occupancy-elevation map, metres.
     pub oem_cell_m: f64,
@@ -149,7 +149,7 @@ impl Default for EstimatorConfig {
     }
 }
 
-/// Which cost the planner minimises (docs/concepts/guidance.md).
+/// The cost that the planner minimises (docs/concepts/guidance.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Criterion {
@@ -161,7 +161,7 @@ pub enum Criterion {
     Str2,
     /// (5.27) and (5.32): the OEM predicts what will be hidden.
     Str3,
-    /// Not in the thesis: ground counts for as long as it stays unseen, farther ahead
+    /// Not in the thesis: ground counts for as long as it stays unseen, over a longer horizon
     /// ([`Str4Config`]).
     Str4,
     /// No planning: each UAV flies a fixed circle.
@@ -170,15 +170,15 @@ pub enum Criterion {
     Lawnmower,
 }
 
-/// Who plans when (thesis §5.3.2).
+/// When each UAV plans (thesis §5.3.2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Schedule {
-    /// By index, each accounting for those before it.
+    /// By index, each UAV accounting for those before it.
     Sequential,
-    /// A second pass in which each accounts for all others.
+    /// The same, and a second pass in which each UAV accounts for all others.
     SequentialLoopback,
-    /// At once, with the neighbours' last known plans.
+    /// All at once, with the last known plans of the other UAVs.
     Asynchronous,
 }
 
@@ -198,15 +198,15 @@ pub struct GuidanceConfig {
     pub period_s: f64,
     /// U, the yaw increments to choose from, degrees.
     pub increments_deg: Vec<f64>,
-    /// Who plans when.
+    /// When each UAV plans.
     pub schedule: Schedule,
-    /// How long a sequential schedule waits for silent neighbours altogether, seconds.
+    /// How long a sequential schedule waits for plans that do not arrive, per decision, seconds.
     pub plan_timeout_s: f64,
     /// `[guidance.str4]`; the other criteria do not read it.
     pub str4: Str4Config,
 }
 
-/// `[guidance.str4]`: how far `str4` looks ahead, and how hard.
+/// `[guidance.str4]`: the horizon and the width of the search of `str4`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Str4Config {
@@ -214,8 +214,8 @@ pub struct Str4Config {
     pub n_mpc: u8,
     /// How many candidates are kept per block.
     pub beam: u16,
-    /// What the first look from nearby at unknown ground beside a building is worth: its area so many blocks
-    /// long.
+    /// The value of the first look from nearby at unknown ground beside a building: its area for this many
+    /// blocks.
     pub first_look: u16,
 }
 
@@ -232,8 +232,8 @@ impl GuidanceConfig {
         usize::from(blocks.max(1))
     }
 
-    /// U, radians, in the order of preference among equals: the gentlest turn first, then as they are
-    /// listed. No increments means straight ahead.
+    /// U, radians, in the order of preference among increments of equal cost: the gentlest turn first, then
+    /// as listed. Without increments the UAV flies straight ahead.
     pub fn gentlest_first_rad(&self) -> Vec<f64> {
         let mut increments: Vec<f64> =
             self.increments_deg.iter().map(|degrees| degrees.to_radians()).collect();
@@ -261,46 +261,46 @@ impl Default for GuidanceConfig {
     }
 }
 
-/// What agents say (docs/links.md).
+/// Which messages agents send (docs/links.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ExchangeMode {
-    /// Nothing: each UAV is on its own.
+    /// None: each UAV works alone.
     #[serde(rename = "none")]
     None,
-    /// All knowledge, every step, as the paper does.
+    /// All knowledge at every step, as in the paper.
     #[serde(rename = "snapshot")]
     Snapshot,
     /// Each frame's measurements.
     #[serde(rename = "facts")]
     Facts,
-    /// Facts; all knowledge to those who lack some, and every `snapshot_period_s`.
+    /// Facts, and snapshots of all knowledge every `snapshot_period_s` and for agents that are missing facts.
     #[serde(rename = "facts+repair")]
     FactsRepair,
 }
 
-/// `[exchange]`: what is said and what is believed.
+/// `[exchange]`: which messages are sent and which are believed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExchangeConfig {
-    /// What is said.
+    /// Which messages are sent.
     pub mode: ExchangeMode,
     /// On which radios.
     pub channels: ChannelNames,
-    /// Seconds between an agent's snapshots in `facts+repair`, whoever needs them.
+    /// Seconds between an agent's regular snapshots in `facts+repair`.
     pub snapshot_period_s: f64,
-    /// Least seconds between an agent's snapshots for those who lack something.
+    /// Least seconds between an agent's snapshots for agents that are missing facts.
     pub repair_period_s: f64,
-    /// How long a message may be on its way before somebody is thought to lack it, seconds.
+    /// How long a message may be in flight before its receiver is taken to be missing it, seconds.
     pub repair_delay_s: f64,
-    /// What an agent may say, bytes per second; `inf` for no limit. Sets are simplified until they
-    /// fit, outer ones outward and inner ones inward, coarsest where nobody flies.
+    /// What an agent may send, bytes per second; `inf` for no limit. Sets are simplified until they fit, outer
+    /// approximations outward and inner ones inward, most of all far from the UAVs.
     pub budget_bytes_s: f64,
     /// Messages older than this are dropped, seconds.
     pub max_age_s: f64,
     /// Bound on the difference of two agents' clocks, seconds.
     pub clock_skew_s: f64,
-    /// Facts, and what is known before them, with more vertices than this are dropped; what is said has
-    /// no more.
+    /// Facts, and the knowledge of snapshots, with more vertices than this are dropped; agents send no such
+    /// messages.
     pub max_vertices: u32,
 }
 

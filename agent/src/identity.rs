@@ -1,18 +1,18 @@
-//! What messages and knowledge are recognised by.
+//! Hashes that identify messages and knowledge.
 
 use xxhash_rust::xxh3::{Xxh3Default, xxh3_128};
 
-/// A hash that stands for what it was made of: 128 bits, so that collisions are negligible.
+/// A hash that identifies its content: 128 bits, so that collisions are negligible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Identity(u128);
 
 impl Identity {
-    /// Of a message as it was sent.
+    /// The identity of an encoded message.
     pub fn of(bytes: &[u8]) -> Self {
         Self(xxh3_128(bytes))
     }
 
-    /// Of several things in their order.
+    /// The identity of a sequence of parts.
     pub fn of_all(parts: impl IntoIterator<Item = u128>) -> Self {
         let mut hasher = Xxh3Default::new();
         parts.into_iter().for_each(|part| hasher.update(&part.to_le_bytes()));

@@ -1,19 +1,65 @@
-//! What one UAV knows and does: the sans-I/O agent of the set-membership mission.
+//! What one UAV or ground station knows and does: the sans-I/O agent of the set-membership mission.
 //!
-//! | module | station |
+//! A driver needs [`agent`] and [`config`]; one that runs several agents in a process also [`shared_cache`].
+//! The other modules are the stations of the agent's data, for tests, benchmarks and pictures.
+//!
+//! | module | what it holds |
 //! |---|---|
 //! | [`agent`] | the state machine: frames and messages in, messages and commands out |
-//! | [`identity`] | what messages and knowledge are recognised by |
+//! | [`config`] | the configuration of an agent |
 //! | [`shared_cache`] | results that the agents of one process share |
+//! | [`region`] | outer and inner approximations: the types that carry the guarantee |
+//! | [`sense`] | from one frame to measured sets |
+//! | [`estimate`] | the knowledge: predict, correct, fuse |
 //! | [`settled`] | knowledge between two updates, and what is derived from it |
-//! | [`config`] | everything it is told before the start |
-//! | [`region`] | outer and inner sets: the types that carry the guarantee |
-//! | [`sense`] | one frame to measured sets |
-//! | [`estimate`] | predict, correct, fuse |
-//! | [`exchange`] | what is said, and what of the others is believed |
+//! | [`exchange`] | messages to the other agents, and which of their messages are believed |
 //! | [`guidance`] | where to fly next |
-//! | [`mutant`] | known mistakes, for tests of the tests |
-//! | [`work`] | counts of work, for tests of cost |
+//! | [`identity`] | hashes that identify messages and knowledge |
+//! | [`mutant`] | known mistakes, to test the tests |
+//! | [`work`] | counts of work, to test its amount |
+//!
+//! Two agents and their driver; a UAV with a camera gets `handle_frame` in place of `handle_step`:
+//!
+//! ```
+//! use csat_agent::agent::SetMembershipAgent;
+//! use csat_agent::config::{AgentConfig, Channels, EstimatorConfig, ExchangeConfig, GuidanceConfig};
+//! use csat_proto::agent::Agent;
+//! use csat_proto::camera::{CameraModel, Pose};
+//! use csat_proto::ids::{AgentId, Incarnation, RunId};
+//! use csat_proto::model::{FleetModel, Ground, TargetsModel};
+//! use csat_proto::radio::Reception;
+//! use csat_proto::time::{SimTime, Step};
+//!
+//! let config = |index| AgentConfig {
+//!     run: RunId(1),
+//!     id: AgentId(index),
+//!     incarnation: Incarnation(0),
+//!     period_s: 0.5,
+//!     ground: Ground { size_m: [200.0, 200.0] },
+//!     targets: TargetsModel::default(),
+//!     fleet: FleetModel { count: 2, ..FleetModel::default() },
+//!     stations: 0,
+//!     camera: CameraModel::default(),
+//!     estimator: EstimatorConfig::default(),
+//!     guidance: GuidanceConfig::default(),
+//!     exchange: ExchangeConfig::default(),
+//!     channels: Channels::default(),
+//! };
+//! let mut agents = [0, 1].map(|index| SetMembershipAgent::new(&config(index)));
+//! let now = SimTime(0);
+//! for agent in &mut agents {
+//!     agent.handle_step(now, Step(0), Pose::level([0.0, 0.0, 52.0], 0.0));
+//! }
+//! let [first, second] = &mut agents;
+//! while let Some(sent) = first.poll_transmit() {
+//!     let bytes = sent.bytes.into();
+//!     let message = Reception { channel: sent.channel, at: now, bearing_rad: 0.0, bytes };
+//!     second.handle_message(now, &message);
+//! }
+//! assert!(second.poll_timeout().is_some_and(|at| at <= now));
+//! second.handle_timeout(now);
+//! assert_eq!(second.rejected().len(), 0);
+//! ```
 
 pub mod agent;
 pub mod config;

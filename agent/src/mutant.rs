@@ -1,32 +1,32 @@
-//! Known mistakes, to prove that the tests would notice them.
+//! Known mistakes, to prove that the tests detect them.
 //!
-//! Each is a line that somebody could have written instead of the right one. With the feature
-//! `mutants`, which only `csat-tests` asks for, one of them can be switched on for the whole process;
-//! without it `is_on` is `false` at compile time.
+//! Each mistake is a plausible wrong line in place of the right one. With the feature `mutants`, which only
+//! `csat-tests` enables, one of them can be switched on for the whole process. Without the feature `is_on` is
+//! `false` at compile time.
 
 /// A known mistake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Mutant {
-    /// What others knew long ago is taken as if it were of now.
+    /// Old knowledge of other agents is taken for current knowledge.
     LateSnapshotNotDilated = 1,
-    /// X̄ of others is taken without their identified list.
+    /// X̄ of another agent is applied without its list of identified targets.
     UnexploredWithoutIdentified,
-    /// Another's exclusion is applied without its detection.
+    /// The exclusion of another agent is applied without its detection.
     ExclusionWithoutDetection,
     /// A target's own exclusion is taken from its own set.
     ExclusionOfItself,
     /// Detections meet X̄ only after the exclusions were taken from it.
     DetectionAfterExclusion,
-    /// Clear ground of long ago is dilated instead of eroded.
+    /// Old clear ground is dilated instead of eroded.
     ClearGroundDilated,
-    /// Clear ground of long ago is taken as if it were of now.
+    /// Old clear ground is taken for current clear ground.
     ClearGroundNotEroded,
-    /// Detections of long ago are taken as if they were of now.
+    /// Old detections are taken for current ones.
     DetectionNotDilated,
-    /// Exclusions of long ago are taken as if they were of now.
+    /// Old exclusions are taken for current ones.
     ExclusionNotEroded,
-    /// Targets are thought to stand still.
+    /// Targets are assumed to stand still.
     NoPrediction,
     /// Outer sets are rounded inward to fit a budget.
     OuterShrunkForBudget,
@@ -36,33 +36,33 @@ pub enum Mutant {
     OuterShrunkForVertices,
     /// Inner sets are simplified outward to keep within their vertices.
     InnerGrownForVertices,
-    /// The map takes over whatever was said last.
+    /// The map takes the state that arrived last.
     OemLastWriter,
-    /// An earlier life of an agent is still believed.
+    /// Messages of an earlier incarnation of an agent are still believed.
     StaleIncarnationAccepted,
-    /// A new life numbers its messages as the one before did.
+    /// A new incarnation numbers its messages as the one before.
     SequenceReused,
-    /// An agent claims to hold whatever others claim to hold.
+    /// An agent claims to hold all facts that other agents claim to hold.
     ClaimsWhatOthersHold,
-    /// Nobody is sent what it lacks.
+    /// Agents that are missing facts are sent none.
     NeverRepairs,
     /// Blocks of the map that differ are never said again.
     MapNeverRepaired,
-    /// A number heard once is heard for all lives.
-    RepeatsOfOtherLivesIgnored,
+    /// A fact number that was applied once counts as applied for all incarnations.
+    RepeatsOfOtherIncarnationsIgnored,
     /// After missed frames sets are grown for one period too few.
     GapOnePeriodShort,
     /// For missed frames the sets of targets are grown, and X̄ is not.
     GapGrowsTargetsOnly,
-    /// A target seen first was in X̄ as it was a period ago.
+    /// A target seen first is sought in the X̄ of a period ago.
     FirstSeenNotDilated,
     /// Facts are aged as if all clocks were one.
     ClockSkewOfFactsIgnored,
-    /// The same for what others knew.
+    /// The same for the knowledge of other agents.
     ClockSkewOfSnapshotsIgnored,
-    /// The polygon that stands for what a target may do in a period lies within the disc.
+    /// The polygon for the motion of a target in a period lies within the disc.
     ReachInscribed,
-    /// Airspace that was not seen to be free is flown through.
+    /// UAVs fly through airspace that was not seen to be free.
     UnseenAirspaceFree,
     /// A UAV flies on without knowing a way out.
     NoWayOutNeeded,
@@ -93,7 +93,7 @@ impl Mutant {
         Self::ClaimsWhatOthersHold,
         Self::NeverRepairs,
         Self::MapNeverRepaired,
-        Self::RepeatsOfOtherLivesIgnored,
+        Self::RepeatsOfOtherIncarnationsIgnored,
         Self::GapOnePeriodShort,
         Self::GapGrowsTargetsOnly,
         Self::FirstSeenNotDilated,
@@ -109,19 +109,19 @@ impl Mutant {
 #[cfg(feature = "mutants")]
 static ACTIVE: std::sync::atomic::AtomicU8 = std::sync::atomic::AtomicU8::new(0);
 
-/// Makes the whole process make this mistake, or none.
+/// Switches this mistake on for the whole process, or all off.
 #[cfg(feature = "mutants")]
 pub fn switch(mutant: Option<Mutant>) {
     ACTIVE.store(mutant.map_or(0, |mutant| mutant as u8), std::sync::atomic::Ordering::SeqCst);
 }
 
-/// Whether to make this mistake.
+/// Whether this mistake is on.
 #[cfg(feature = "mutants")]
 pub fn is_on(mutant: Mutant) -> bool {
     ACTIVE.load(std::sync::atomic::Ordering::Relaxed) == mutant as u8
 }
 
-/// Whether to make this mistake.
+/// Whether this mistake is on.
 #[cfg(not(feature = "mutants"))]
 pub const fn is_on(_: Mutant) -> bool {
     false

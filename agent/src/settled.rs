@@ -10,11 +10,11 @@ use crate::estimate::state::Knowledge;
 use crate::guidance::{PlannerRasters, ViewCache};
 use crate::identity::Identity;
 
-/// Knowledge that does not change any more, and what follows from it, found when first asked for.
+/// Knowledge that no longer changes, and what is derived from it at the first query.
 #[derive(Debug)]
 pub struct SettledKnowledge {
     knowledge: Knowledge,
-    /// A hash of all that ever went into it.
+    /// A hash of all evidence that it was made of.
     lineage: Identity,
     unexplored_cells: OnceLock<Raster>,
     planner_rasters: OnceLock<PlannerRasters>,
@@ -24,7 +24,7 @@ pub struct SettledKnowledge {
 }
 
 impl SettledKnowledge {
-    /// Knowledge and a hash of all that went into it.
+    /// Knowledge, and a hash of all evidence that it was made of.
     pub fn new(knowledge: Knowledge, lineage: Identity) -> Self {
         Self {
             knowledge,
@@ -37,25 +37,25 @@ impl SettledKnowledge {
         }
     }
 
-    /// A hash of all that ever went into it: equal lineages mean equal knowledge.
+    /// A hash of all evidence that it was made of: equal lineages mean equal knowledge.
     pub fn lineage(&self) -> Identity {
         self.lineage
     }
 
-    /// X̄ as a raster; asked for at every step, unlike the planner's sets.
+    /// X̄ as a raster. It is needed at every step, unlike the other rasters of the planner.
     pub fn unexplored_cells(&self) -> &Raster {
         self.unexplored_cells.get_or_init(|| {
             Raster::of_region(*self.knowledge.hidden.grid(), self.knowledge.unexplored.region())
         })
     }
 
-    /// The planner's sets as rasters.
+    /// The sets that the planner reads, as rasters.
     pub fn planner_rasters(&self) -> &PlannerRasters {
         self.planner_rasters
             .get_or_init(|| PlannerRasters::of(&self.knowledge, self.unexplored_cells().clone()))
     }
 
-    /// What is seen of its X^Δ from where in the world of its map, by the criterion of all who know this.
+    /// The views of its X^Δ given its map, by the criterion of the agents that hold this knowledge.
     pub fn view_cache(&self) -> &ViewCache {
         &self.view_cache
     }

@@ -6,7 +6,7 @@
 //! function of its key, so no agent behaves differently with a cache. Agents that share a cache must have
 //! the same configuration except for their index and incarnation.
 //!
-//! The key of knowledge is its lineage, a hash of all that was ever put into it, so no sets are compared.
+//! The key of knowledge is its lineage, a hash of all evidence that it was made of, so no sets are compared.
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -1,19 +1,19 @@
-//! How much work sets make, counted instead of timed: numbers that hold on a busy machine.
+//! The work on sets, counted instead of timed: the counts are the same on a busy machine.
 //!
-//! Counted with the feature `work-counts`, which only `csat-tests` asks for; without it nothing is.
+//! Counts are made with the feature `work-counts`, which only `csat-tests` enables.
 
 /// The work of one thread.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Work {
     /// Edges handed to Boolean operations.
     pub edges: u64,
-    /// Edges times how far they were swept by dilations and erosions, metres: paths cross themselves the
-    /// more often the more edges go the farther.
+    /// The sum, over edges, of how far dilations and erosions swept them, metres. The number of crossings of
+    /// paths grows with it.
     pub swept_m: f64,
 }
 
 impl Work {
-    /// The greater of two, count by count.
+    /// The maximum of two, count by count.
     pub fn max(self, other: Self) -> Self {
         Self { edges: self.edges.max(other.edges), swept_m: self.swept_m.max(other.swept_m) }
     }
@@ -24,7 +24,7 @@ thread_local! {
     static DONE: std::cell::Cell<Work> = const { std::cell::Cell::new(Work { edges: 0, swept_m: 0.0 }) };
 }
 
-/// The work of this thread since this was called last.
+/// The work of this thread since the last call.
 #[cfg(feature = "work-counts")]
 pub fn take() -> Work {
     DONE.take()

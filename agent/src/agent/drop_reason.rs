@@ -1,7 +1,7 @@
 //! Why an agent dropped a message or an own frame.
 
 use crate::exchange::validate::Rejection;
-use crate::guidance::schedule::PlanError;
+use crate::guidance::PlanError;
 
 /// Why an agent dropped a message or an own frame.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -23,7 +23,7 @@ pub enum DropReason {
 }
 
 impl DropReason {
-    /// A short name to count by.
+    /// A short name, by which dropped messages are counted.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Message(rejection) => rejection.name(),

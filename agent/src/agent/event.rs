@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
 pub enum Event {
-    /// A target is known of for the first time.
+    /// A target was identified for the first time.
     Identified {
         /// The agent's step.
         step: Step,
@@ -19,25 +19,25 @@ pub enum Event {
         /// Whether another agent saw it.
         by_others: bool,
     },
-    /// A target's set became empty and was restarted: an assumption failed or a
-    /// message lied.
+    /// A target's set became empty and was restarted: an assumption failed or a message was false.
     Inconsistent {
         /// The agent's step.
         step: Step,
         /// j.
         target: TargetId,
     },
-    /// No increment is known to keep clear of buildings, nor was one before: the UAV flies what keeps
-    /// clear longest of where one may stand. Said when it begins.
+    /// No increment is known to keep clear of buildings, and no way out is left of the decision before. The
+    /// UAV flies the increment that keeps clear longest of places where a building may stand. Reported when
+    /// this begins.
     NoWayOut {
         /// The step of the decision.
         step: Step,
     },
-    /// A message or an own frame was dropped, for a reason not yet reported of its sender.
+    /// A message or an own frame was dropped, for a reason that was not reported of its sender before.
     Rejected {
         /// The agent's step.
         step: Step,
-        /// The sender; `None` for a frame, and where a message is too damaged to tell.
+        /// The sender; `None` for a frame, and for a message without a valid sender.
         from: Option<AgentId>,
         /// Short name of the reason.
         reason: Cow<'static, str>,

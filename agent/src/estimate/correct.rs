@@ -1,4 +1,4 @@
-//! Correction with what frames prove (4.28)-(4.33): the own one and those of the others.
+//! Correction (4.28)-(4.33) with what the own frame and the frames of other agents prove.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,15 +13,16 @@ use crate::sense::MeasuredTarget;
 
 /// Corrects predicted knowledge.
 ///
-/// Every detection meets the set as predicted before anything is excluded from any: a detection must
-/// not meet an X̄ from which its own exclusion was taken already.
+/// All detections are intersected with the predicted sets before any exclusion is applied: a detection must
+/// not be intersected with an X̄ from which its own exclusion was taken already.
 pub(super) fn correct(knowledge: &mut Knowledge, predicted: &Predicted, evidence: &[Evidence]) {
     knowledge.learn_margin(evidence.iter().map(|e| &e.obstacle_margin)); // (4.28)
     let margin = &knowledge.margin;
     let seen = || evidence.iter().flat_map(|e| &e.targets);
     let disproved = |target: Option<TargetId>| {
         let exclusions = seen().filter(move |s| applies_to(s, target)).map(|s| &s.exclusion);
-        // X° is simplified whenever it grows; with the parts as they came order does not matter.
+        // X° was simplified as it grew. The parts are applied unsimplified as well, so that their order does
+        // not matter.
         let parts = evidence.iter().flat_map(|e| [&e.clear_ground, &e.obstacle_margin]);
         parts.chain([margin]).chain(exclusions).collect::<Vec<&Inner>>()
     };
@@ -37,7 +38,7 @@ pub(super) fn correct(knowledge: &mut Knowledge, predicted: &Predicted, evidence
         let set = match before {
             Some(set) if locations.peek().is_none() => set.minus(disproved(Some(j))), // (4.30)
             _ => {
-                // Seen again (4.31), or seen first (4.32): then it was in X̄.
+                // Seen again (4.31), or seen for the first time (4.32), when it was in X̄.
                 let mut set = before.unwrap_or(&predicted.unexplored).resolved();
                 if is_on(Mutant::DetectionAfterExclusion) && before.is_none() {
                     set = predicted.unexplored.minus(disproved(None));
@@ -56,7 +57,7 @@ pub(super) fn correct(knowledge: &mut Knowledge, predicted: &Predicted, evidence
     knowledge.targets = targets;
 }
 
-/// Whether no location of `target`, or of an unidentified one, is in the exclusion of `seen`.
+/// Whether the exclusion of `seen` applies to `target`, or for `None` to unidentified targets.
 fn applies_to(seen: &MeasuredTarget, target: Option<TargetId>) -> bool {
     Some(seen.target) != target || is_on(Mutant::ExclusionOfItself)
 }

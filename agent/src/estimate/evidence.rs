@@ -1,4 +1,4 @@
-//! What frames prove, one's own and those of others, as of the receiver's step.
+//! What own and received frames prove about the step of the knowledge.
 
 use std::sync::Arc;
 
@@ -13,29 +13,29 @@ use crate::mutant::{Mutant, is_on};
 use crate::region::{Inner, Outer, Reach};
 use crate::sense::{Measured, MeasuredTarget};
 
-/// A valid fact and whose it is, with what else its sender knew if it came in a snapshot.
+/// A valid fact with its sender, and the knowledge of the sender if it came in a snapshot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReceivedFact {
     /// The sender.
     pub src: AgentId,
-    /// Its life.
+    /// Its incarnation.
     pub incarnation: Incarnation,
     /// What its frame proved.
     pub fact: Arc<Fact>,
-    /// What it knew before.
+    /// What it knew before the frame.
     pub known: Option<Arc<Known>>,
-    /// Whether it answers one that joined late, under the number of a fact that is told elsewhere.
+    /// Whether it is an answer to an agent that joined late, which has the number of another fact.
     pub is_answer: bool,
-    /// Of the message that said so.
+    /// The identity of the message.
     pub identity: Identity,
 }
 
 /// What one frame proves about a later step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evidence {
-    /// Contains no target location.
+    /// Contains no target location at that step.
     pub clear_ground: Inner,
-    /// Contains no target location, ever.
+    /// Contains no target location at any step.
     pub obstacle_margin: Inner,
     /// The identified targets, by increasing index: where they may be, and where no other can be.
     pub targets: Vec<MeasuredTarget>,
@@ -52,10 +52,10 @@ impl Evidence {
     }
 }
 
-/// Makes old sets say what they still say now.
+/// Turns old sets into sets of the current step.
 ///
-/// A target moves by at most d = v_max·(age + clock skew bound), so outer sets are dilated by d and
-/// inner ones eroded.
+/// A target moves by at most d = v_max·(age + bound of the clock skew), so outer approximations are dilated by
+/// d and inner ones eroded.
 #[derive(Debug, Clone)]
 pub struct Ager {
     v_max_m_s: f64,
@@ -77,14 +77,14 @@ impl Ager {
         }
     }
 
-    /// The disc a target may move in between two steps of two clocks; `None` if it cannot have moved.
+    /// The disc within which a target may move between two steps of two clocks; `None` if it cannot move.
     pub fn reach(&self, a: Step, b: Step) -> Option<Reach> {
         let age_s = f64::from(a.0.abs_diff(b.0)) * self.period_s;
         let radius_m = self.v_max_m_s * (age_s + self.clock_skew_s);
         (radius_m > 0.0).then(|| Reach::new(radius_m, self.vertices))
     }
 
-    /// The same, unless the mistake is made of taking all clocks for one.
+    /// The same disc; without clock skew if `mistake` is on.
     pub(super) fn reach_unless(&self, mistake: Mutant, a: Step, b: Step) -> Option<Reach> {
         match is_on(mistake) {
             true => Self { clock_skew_s: 0.0, ..self.clone() }.reach(a, b),
@@ -109,7 +109,7 @@ impl Ager {
         Evidence {
             targets: targets.collect(),
             clear_ground,
-            // Static: age does not matter.
+            // Obstacles do not move, so the age does not matter.
             obstacle_margin: Inner::within(fact.obstacle_margin.clone()),
         }
     }

@@ -1,10 +1,9 @@
-//! Fusion of what others knew (4.34)-(4.37), over links that delay, lose, repeat and reorder.
+//! Fusion with the knowledge of other agents (4.34)-(4.37), over links that delay, lose, repeat and reorder.
 //!
-//! Intersections and unions commute and repeat for free, so the order of snapshots and repeats do not
-//! matter to what the sets are; to their last bits it does. A set that equals the own one as it was
-//! before anything was merged is passed over: with perfect links a snapshot changes nothing that the
-//! facts had not changed already, and whoever told a snapshot, and so does not hear it, ends with the
-//! same bits as those who heard it and had known as much.
+//! Intersections and unions are commutative and idempotent, so the order and the repeats of snapshots do not
+//! matter to the sets, except to their last bits. A received set that equals the own set before the merge is
+//! skipped. With perfect links a snapshot changes nothing that the facts had not changed already, so the
+//! sender of a snapshot, which does not receive it, has the same bits as the receivers.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +16,7 @@ use super::state::Knowledge;
 use crate::mutant::{Mutant, is_on};
 use crate::region::{Inner, Outer};
 
-/// Merges the outer sets that others knew, each at its own step, into those known now.
+/// Merges the outer approximations of other agents, each of its own step, into the knowledge.
 pub(super) fn fuse<'a>(
     knowledge: &mut Knowledge,
     known: impl Iterator<Item = &'a Known>,
@@ -30,9 +29,10 @@ pub(super) fn fuse<'a>(
     }
 }
 
-/// Merges what one of them knew into what has become of `before`.
+/// Merges the knowledge of another agent into `knowledge`, which was `before` before the first merge.
 ///
-/// X̄ of the other is only taken together with its L and X_j: a target it knows of is not in its X̄.
+/// X̄ of the other agent is used only together with its L and X_j: its X̄ need not contain a target that it
+/// has identified.
 fn merge(knowledge: &mut Knowledge, before: &Knowledge, known: &Known, ager: &Ager) {
     let reach = match is_on(Mutant::LateSnapshotNotDilated) {
         true => None,
@@ -61,13 +61,13 @@ fn merge(knowledge: &mut Knowledge, before: &Knowledge, known: &Known, ager: &Ag
     knowledge.targets = merged;
 }
 
-/// What others know of X° that is not known to the last bit already.
+/// The shapes of the X° of another agent that are not known bit by bit already.
 pub(super) fn margin_news(knowledge: &Knowledge, known: &Known) -> Evidence {
     let obstacle_margin = news(&known.obstacle_margin, knowledge.margin.region());
     Evidence { clear_ground: Inner::default(), obstacle_margin, targets: Vec::new() }
 }
 
-/// The shapes of `theirs` that are not among `own`.
+/// The shapes of `theirs` that are not in `own`.
 fn news(theirs: &Region, own: &Region) -> Inner {
     let mut sorted: Vec<&Shape> = own.shapes().iter().collect();
     let key = |shape: &&Shape| (shape[0].len(), shape[0].first().map(|p| (p.x, p.y)));

@@ -1,17 +1,17 @@
-//! What one UAV knows (docs/concepts/predict-correct.md): predict, then correct with the own frame and with what others
-//! sent.
+//! What one UAV knows (docs/concepts/predict-correct.md): predict, then correct with the own frame and the
+//! received facts.
 //!
 //! | module | equations |
 //! |---|---|
 //! | [`state`] | the sets an agent holds |
-//! | [`evidence`] | what frames prove, own and others', as of now |
-//! | `fuse` | (4.34)-(4.37): what others knew |
+//! | [`evidence`] | what own and received frames prove about the current step |
+//! | `fuse` | (4.34)-(4.37): the knowledge of other agents |
 //! | [`predict`] | (4.24)-(4.27) |
 //! | `correct` | (4.28)-(4.33): what frames disprove |
 //! | [`oem`] | the occupancy-elevation map |
 //!
-//! All that is known of one step is applied at once and in one order, whoever applies it: agents that
-//! heard the same know the same, to the last bit.
+//! Every agent applies all evidence of a step at once and in the same order, so agents that received the same
+//! facts have the same knowledge, to the last bit.
 
 mod correct;
 pub mod evidence;
@@ -41,9 +41,10 @@ pub struct Estimator {
 /// What an update changed besides the sets.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Changes {
-    /// Targets that are known for the first time.
+    /// Targets that were identified for the first time.
     pub identified: Vec<TargetId>,
-    /// Targets whose set became empty and was restarted: an assumption failed or somebody lied.
+    /// Targets whose set became empty and was restarted: an assumption failed or a message was
+    /// false.
     pub inconsistent: Vec<TargetId>,
 }
 
@@ -53,10 +54,10 @@ impl Estimator {
         Self { own: config.id, ager: Ager::new(config), predictor: Predictor::new(config) }
     }
 
-    /// Takes the knowledge to the step of the own frame, if there is one, and applies it and all that
-    /// was heard. No fact in `heard` may be of a later step.
+    /// Takes the knowledge to the step of the own frame, if there is one, and applies that frame and the
+    /// facts in `heard`. No fact in `heard` may be of a later step.
     ///
-    /// What others knew is of the steps before, so it is merged before the prediction.
+    /// The knowledge of other agents is of earlier steps, so it is merged before the prediction.
     pub fn update(
         &self,
         knowledge: &mut Knowledge,
@@ -104,7 +105,7 @@ impl Estimator {
     }
 }
 
-/// What is hidden, and what the map says: coarse, and without an order.
+/// Applies hidden ground and cells of the map. They carry no guarantee, and their order does not matter.
 fn look(knowledge: &mut Knowledge, own: Option<&Measured>, heard: &[ReceivedFact]) {
     let now = knowledge.step;
     if let Some(Measured { hidden, seen, oem, .. }) = own {

@@ -9,7 +9,7 @@ use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
 
 use crate::mutant::{Mutant, is_on};
 
-/// Cells along a side of a block, the unit that is compared and repaired.
+/// Cells along a side of a block, which is the unit of comparison and repair.
 pub const BLOCK: usize = 16;
 
 /// Square cells that are Unexplored, Occupied up to a height, or Empty. Merging is a join per cell,
@@ -108,11 +108,11 @@ impl Oem {
 pub struct BlockHashes(Vec<u64>);
 
 impl BlockHashes {
-    /// The hashes as a digest of `step` tells them, short: equal blocks have equal ones, and
-    /// different ones hardly ever.
+    /// The short hashes for a digest of `step`: those of equal blocks are equal, those of different blocks
+    /// rarely are.
     ///
-    /// Each step shortens in a way of its own. Else two maps that no longer change could differ in a
-    /// block for good without anybody noticing.
+    /// Each step has its own short hashes. Otherwise two maps that no longer change could differ in a block
+    /// for ever, and no digest would show it.
     pub fn told_at(&self, step: Step) -> Vec<u16> {
         let short = |hash: &u64| {
             let stamped = [hash.to_le_bytes(), u64::from(step.0).to_le_bytes()];

@@ -1,4 +1,4 @@
-//! Prediction (4.24)-(4.27): what was known one period ago, now.
+//! Prediction (4.24)-(4.27): the knowledge of one step at the next step.
 
 use std::collections::BTreeMap;
 
@@ -10,9 +10,9 @@ use crate::config::AgentConfig;
 use crate::mutant::{Mutant, is_on};
 use crate::region::{Grown, Outer, Reach};
 
-/// Sets are simplified by at least this before they grow, metres: where sets meet that are the same but
-/// for rounding, as those of two agents are, borders have details of that size. Notches and gaps are
-/// filled; a sliver that belongs to the set stays, as an outer set may not lose it.
+/// Sets are simplified by at least this before they grow, metres. Where two sets are equal up to rounding, as
+/// those of two agents often are, their intersection has details of that size. The simplification fills
+/// notches and gaps. It keeps slivers of the set, because an outer approximation must not lose them.
 const SLIVER_M: f64 = 1e-3;
 
 /// The sets of step k, predicted from step k-1 (4.24)-(4.26).
@@ -24,13 +24,13 @@ pub struct Predicted {
     pub unexplored: Grown,
 }
 
-/// Grows the sets by whatever a target may do in one period.
+/// Grows the sets by the motion of a target in one period.
 #[derive(Debug, Clone)]
 pub struct Predictor {
     reach: Reach,
     simplify_m: f64,
-    /// Sets that grow have no more vertices. They are limited here, not where they are cut: merging what
-    /// others said in any order makes the same sets.
+    /// The most vertices of a set before it grows. Sets are limited here, not when they are cut, so that the
+    /// result of a merge does not depend on its order.
     max_vertices: usize,
     hidden_steps: u32,
 }
@@ -56,7 +56,7 @@ impl Predictor {
 
     /// Takes the knowledge to the step before `step`.
     ///
-    /// An agent that missed frames grows its sets for each of them: the targets moved all the same.
+    /// An agent that missed frames grows its sets for each of them, because the targets moved.
     pub fn catch_up(&self, knowledge: &mut Knowledge, step: Step) {
         let behind = if is_on(Mutant::GapOnePeriodShort) { 2 } else { 1 };
         while knowledge.step.0 + behind < step.0 {
@@ -69,11 +69,11 @@ impl Predictor {
         }
     }
 
-    /// Takes the knowledge to `step`, to be corrected there: its sets still are those of the step
-    /// before until then, and its X° stays (4.27).
+    /// Takes the knowledge to `step` and returns its predicted sets; the sets of the knowledge itself are
+    /// those of the step before until they are corrected. X° stays (4.27).
     pub fn predict(&self, knowledge: &mut Knowledge, step: Step) -> Predicted {
         self.catch_up(knowledge, step);
-        // The first frame is of the step that the knowledge starts at: nothing has moved yet.
+        // The first frame is of the first step of the knowledge: no target has moved yet.
         let predicted = if step > knowledge.step && !is_on(Mutant::NoPrediction) {
             self.grown(knowledge)
         } else {
@@ -84,7 +84,7 @@ impl Predictor {
         predicted
     }
 
-    /// The knowledge as it is.
+    /// The sets of the knowledge as they are.
     pub fn still(&self, knowledge: &Knowledge) -> Predicted {
         let still = |set: &Outer| Grown::still(set, knowledge.ground());
         let targets = knowledge.targets.iter();

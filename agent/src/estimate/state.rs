@@ -1,4 +1,4 @@
-//! The sets an agent holds.
+//! The knowledge of an agent.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -24,14 +24,14 @@ pub struct Knowledge {
     pub targets: BTreeMap<TargetId, Outer>,
     /// X̄_i, outer: contains the location of every target not in L_i.
     pub unexplored: Outer,
-    /// X°_i, inner: no target location ever.
+    /// X°_i, inner: contains no target location at any step.
     pub margin: Inner,
     /// M_i.
     pub oem: Oem,
-    /// X^h (5.43): ground once hidden and not seen since.
+    /// X^h (5.43): ground that was hidden and has not been seen since.
     pub hidden: Raster,
     recent_views: VecDeque<FleetView>,
-    /// Views before this are forgotten.
+    /// Views of earlier steps are dropped.
     views_from: Step,
     ground: Region,
     simplify_margin_m: f64,
@@ -77,11 +77,11 @@ impl Knowledge {
         }
     }
 
-    /// Notes what somebody could not see and saw at `step` (5.43), (5.44).
+    /// Notes the ground that was hidden to an agent and the ground that it saw at `step` (5.43), (5.44).
     ///
-    /// Ground becomes hidden unless anybody saw it at that step or later; views may come late, in
-    /// any order and more than once. One from before all that are remembered is passed over: nobody
-    /// can tell any more whether its ground was seen since.
+    /// Ground becomes hidden unless an agent saw it at that step or later. Views may arrive late, in any order
+    /// and more than once. A view of a step whose views were dropped is skipped, because it is not known any
+    /// more whether its ground was seen since.
     pub(super) fn note_view(&mut self, step: Step, hidden: &Raster, seen: &Raster) {
         if step < self.views_from {
             return;
@@ -100,7 +100,7 @@ impl Knowledge {
         for later in self.recent_views.iter().filter(|view| view.step >= step) {
             newly_hidden.subtract(&later.seen);
         }
-        // Seen at `step` ends being hidden, except where a later view hid the ground again.
+        // Ground seen at `step` is no longer hidden, except where a later view hid it again.
         let mut newly_seen = seen.clone();
         for later in self.recent_views.iter().filter(|view| view.step > step) {
             newly_seen.subtract(&later.hidden);
@@ -109,13 +109,13 @@ impl Knowledge {
         self.hidden.union_with(&newly_hidden);
     }
 
-    /// Forgets views before `oldest`.
+    /// Drops views before `oldest`.
     pub(super) fn forget_views_before(&mut self, oldest: Step) {
         self.recent_views.retain(|view| view.step >= oldest);
         self.views_from = oldest;
     }
 
-    /// The union of all that was hidden to anybody in the last h steps (5.30).
+    /// The union of the ground that was hidden to an agent in the last h steps (5.30).
     pub fn hidden_recently(&self) -> Raster {
         let mut union = Raster::empty(*self.hidden.grid());
         for view in &self.recent_views {
@@ -124,8 +124,8 @@ impl Knowledge {
         union
     }
 
-    /// Restarts sets that became empty at X_g \ X° and returns their targets: an empty set proves
-    /// that an assumption failed or that somebody lied.
+    /// Restarts sets that became empty at X_g \ X° and returns their targets: an empty set proves that an
+    /// assumption failed or that a message was false.
     pub(super) fn restart_empty_sets(&mut self) -> Vec<TargetId> {
         let empty: Vec<TargetId> =
             self.targets.iter().filter(|(_, set)| set.is_empty()).map(|(&j, _)| j).collect();
@@ -138,7 +138,7 @@ impl Knowledge {
         empty
     }
 
-    /// A hash of everything above: equal digests mean equal knowledge.
+    /// A hash of all fields above: equal digests mean equal knowledge.
     pub fn digest(&self) -> u64 {
         let mut hasher = Xxh3Default::new();
         hasher.update(&self.step.0.to_le_bytes());
@@ -161,7 +161,7 @@ impl Knowledge {
     }
 }
 
-/// What the fleet could not see, and saw, at one step.
+/// The ground that was hidden to the fleet and the ground that it saw, at one step.
 #[derive(Debug, Clone)]
 struct FleetView {
     step: Step,
@@ -187,7 +187,7 @@ fn hash_region(hasher: &mut Xxh3Default, region: &Region) {
 mod tests {
     use super::*;
 
-    /// A view may come when it is too late to know what was seen since.
+    /// A view may arrive when it is not known any more what was seen since.
     #[test]
     fn ground_seen_since_is_not_hidden_by_a_view_that_comes_late() {
         let config = crate::config::tests::default_config([500.0; 2]);

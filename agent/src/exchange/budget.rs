@@ -1,9 +1,10 @@
-//! Making messages fit a budget of bytes, and what others accept, the safe way.
+//! Simplifies messages until they fit a budget of bytes and the number of vertices that receivers accept,
+//! without breaking the guarantee.
 //!
-//! Outer sets grow and inner ones shrink until a message fits: each level doubles the tolerance, which
-//! is the larger the farther a shape is from where anybody flies. What carries no guarantee is left
-//! out on the way, and in the end inner sets are empty and outer ones are boxes. If even that is too
-//! long nothing is said.
+//! Outer approximations grow and inner ones shrink until a message fits. Each level doubles the tolerance,
+//! which increases with the distance of a shape from the nearest UAV. Rasters without a guarantee are left
+//! out at higher levels. At the last level inner approximations are empty and outer ones are boxes. If a
+//! message does not fit even then, it is not sent.
 
 use csat_proto::envelope::Envelope;
 use csat_proto::message::{Digest, Fact, Known, Message, Snapshot};
@@ -21,17 +22,17 @@ const FINEST_M: f64 = 0.25;
 const DISTANCE_M: f64 = 50.0;
 /// Levels of simplification; after the last one sets are empty or boxes.
 const LEVELS: u32 = 8;
-/// From this level on the views of cameras and the digest are left out, and sets are too coarse to stand
-/// for the facts that made them.
+/// From this level on the views of cameras and the digest are left out, and sets are too coarse to replace
+/// the facts that they were made of.
 const COARSE_LEVEL: u32 = 4;
-/// Runs of map cells at the first level; half as many at each that follows.
+/// Runs of map cells at the first level; each further level has half as many.
 const RUNS: usize = 512;
 
-/// The finest of the messages that `said` makes at levels 0, 1, … that has no more vertices than others
-/// accept and fits into `limit` bytes with its envelope: its level, and itself as a body.
+/// Of the messages that `said` makes at levels 0, 1, …, the finest one with at most `max_vertices` that fits
+/// into `limit` bytes with its envelope: its level and its encoded body.
 ///
-/// Each level is shorter than the one before, so the search begins at `first`, where it ended last time: making
-/// all the finer ones would cost more than everything else that an agent does with a small budget.
+/// Messages get shorter with each level, so the search begins at `first`, the level of the last message. With
+/// a small budget, making all finer messages would take more time than the rest of the agent's step.
 pub fn fit(
     limit: f64,
     max_vertices: u32,
@@ -57,25 +58,24 @@ pub fn encode(message: &Message) -> Vec<u8> {
     postcard::to_stdvec(message).expect("a message always serialises")
 }
 
-/// Simplifies sets by the distance from where somebody flies.
+/// Simplifies sets by their distance from the UAVs.
 #[derive(Debug, Clone)]
 pub struct Shortener {
     level: u32,
-    /// Where UAVs are, metres.
+    /// Positions of UAVs, metres.
     uavs: Vec<[f64; 2]>,
     /// X_g.
     ground: Outer,
 }
 
 impl Shortener {
-    /// Shortens for UAVs at `uavs` (`world`, metres) over X_g: sets near them keep more of their
-    /// detail. Each level is coarser than the one before; level 0 changes nothing.
+    /// A shortener for UAVs at `uavs` (`world`, metres) over X_g: sets near them keep more detail. Each level
+    /// is coarser than the one before; level 0 changes nothing.
     pub fn new(level: u32, uavs: &[[f64; 2]], ground: &Region) -> Self {
         Self { level, uavs: uavs.to_vec(), ground: Outer::containing(ground.clone()) }
     }
 
-    /// A shorter fact that claims less. When little is left of it, it has no digest either, which would
-    /// be most of it.
+    /// A shorter fact that claims less. At coarse levels it has no digest, which would be most of its bytes.
     pub fn fact(&self, fact: &Fact) -> Fact {
         if self.level == 0 {
             return fact.clone();
@@ -101,8 +101,8 @@ impl Shortener {
         short
     }
 
-    /// A shorter snapshot that claims less. When little is left of it, it does not say which facts it
-    /// contains: whoever lacks them would take them for repaired.
+    /// A shorter snapshot that claims less. At coarse levels it does not list the facts that it contains, so
+    /// that receivers which are missing them do not take them for held.
     pub fn snapshot(&self, fact: &Fact, known: &Known) -> Snapshot {
         Snapshot { fact: self.fact(fact), known: self.known(known) }
     }
@@ -180,7 +180,7 @@ mod tests {
     use csat_proto::message::Plan;
     use csat_proto::time::Step;
 
-    /// The shorter the higher the level.
+    /// A message that is shorter at higher levels.
     fn said(level: u32) -> Message {
         let poses = vec![Pose::default(); (2 * (LEVELS - level) + 1) as usize];
         Message::Plan(Plan { step: Step(1), pass: 0, poses })

@@ -1,19 +1,19 @@
-//! Whether the rings of a received set cross each other.
+//! Checks whether the rings of a received set cross each other.
 
 use csat_proto::region::{GridBox, GridPoint, Region, Ring};
 
 use crate::region::turn;
 
-/// What is wrong with rings.
+/// What is wrong with the rings of a set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RingFault {
     /// Two edges cross.
     Crossing,
-    /// So many edges lie side by side that finding out would take too long.
+    /// So many edges lie close together that the check would take too long.
     TooDense,
 }
 
-/// Looks at pairs and strips per edge, on average, before giving up. Honest sets take a few.
+/// The most pairs and strips that are checked per edge, on average. Valid sets take a few.
 const LOOKS_PER_EDGE: usize = 100;
 
 struct Edge {
@@ -22,14 +22,13 @@ struct Edge {
     extent: GridBox,
 }
 
-/// Looks for two edges that cross in a point inside both. Rings may touch, as those of resolved sets
-/// do.
+/// Checks that no two edges cross in a point inside both. Rings may touch, as those of resolved sets do.
 ///
-/// A sweep from west to east that keeps the edges it is passing in strips from south to north, so that
-/// only neighbours are compared.
+/// It sweeps from west to east and keeps the edges at the sweep line in strips from south to north, so that
+/// only edges that are near each other are compared.
 ///
 /// # Errors
-/// The two edges, when there are such.
+/// When two edges cross, or the check would take too long.
 pub fn check(region: &Region) -> Result<(), RingFault> {
     let mut edges: Vec<Edge> = region.rings().flat_map(edges_of).collect();
     edges.sort_unstable_by_key(|edge| edge.extent.min.x);
@@ -93,7 +92,7 @@ mod tests {
         assert_eq!(check(&Region::EMPTY), Ok(()));
     }
 
-    /// Against every pair, on rings of all sizes: strips and sweep forget none.
+    /// Against a comparison of all pairs, on rings of all sizes: the sweep finds every crossing.
     #[test]
     fn a_crossing_is_found_wherever_it_is() {
         let mut state = 1u64;

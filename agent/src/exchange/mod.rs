@@ -1,18 +1,18 @@
-//! What is said to the other agents, and what of theirs is believed (docs/links.md,
-//! "What agents say").
+//! Messages to the other agents, and which of their messages are believed (docs/links.md, "What agents
+//! say").
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`transmitter`] | what to say, and how often |
-//! | [`budget`] | making it fit a budget of bytes |
-//! | [`repair`] | who lacks what, and whose turn it is to help |
-//! | [`version_vector`] | which facts the own knowledge contains |
+//! | [`transmitter`] | what to send, and how often |
+//! | `budget` | simplifies messages until they fit a budget of bytes |
+//! | [`repair`] | anti-entropy: which agent is missing facts, and which agent resends them |
+//! | [`version_vector`] | which facts the agent's own knowledge contains |
 //! | [`receiver`] | which messages are believed, and facts that wait to be applied |
-//! | [`validate`] | what is checked before anything is believed |
-//! | [`crossing`] | whether received rings cross |
+//! | [`validate`] | the checks of a message before it is believed |
+//! | `crossing` | the check whether received rings cross |
 
-pub mod budget;
-pub mod crossing;
+mod budget;
+mod crossing;
 pub mod receiver;
 pub mod repair;
 pub mod transmitter;

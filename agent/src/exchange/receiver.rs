@@ -145,7 +145,7 @@ impl Receiver {
         *known = incarnation.max(*known);
     }
 
-    /// As many facts as all agents can have stated within the accepted age, one per neighbour and step.
+    /// The number of facts that all agents can state within the accepted age, one per agent and step.
     fn capacity(&self) -> usize {
         let steps = self.config.steps(self.config.exchange.max_age_s).max(1) as usize + 1;
         steps.saturating_mul(usize::from(self.config.agents()))

@@ -1,9 +1,9 @@
 //! Anti-entropy: which agent is missing facts, and which agent resends them.
 //!
-//! Facts carry a [`Digest`] of what their sender holds. An agent that held more, and for longer than a message
-//! may be on its way when the digest was made, says it again: cells of the map in its next facts,
-//! everything else as a snapshot. All neighbours see the same digest, so they take turns: the next in the order
-//! of indexes answers at once, the others only if the digest does not get better.
+//! Facts carry a [`Digest`] of what their sender holds. Another agent resends what the sender is missing if it
+//! held more when the digest was made, and had done so for longer than a message may be in flight. It resends
+//! cells of the map in its next facts, and everything else in a snapshot. All agents see the same digest, so
+//! they take turns: the next agent by index answers at once, the others only if the digest does not improve.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -15,44 +15,44 @@ use crate::config::AgentConfig;
 use crate::estimate::oem::BlockHashes;
 use crate::mutant::{Mutant, is_on};
 
-/// Steps that each neighbour leaves to the one before it to answer.
+/// Steps from the turn of one agent to the turn of the next.
 const TURN_STEPS: u32 = 2;
-/// Neighbours that take turns; the rest answer with the last of them.
+/// Number of turns; all further agents answer in the last one.
 const TURNS: u32 = 8;
-/// Blocks of the map that one fact repairs at most.
+/// The most blocks of the map that one fact resends.
 pub const BLOCKS_PER_FACT: usize = 8;
 
-/// What the others lack.
+/// What the other agents are missing.
 #[derive(Debug, Clone)]
 pub struct Repair {
     own: AgentId,
-    /// How many agents there are.
+    /// Number of agents.
     agents: u16,
-    /// How many of them are UAVs: what the others state proves nothing.
+    /// Number of UAVs; facts of the other agents prove nothing.
     uavs: u16,
-    /// Steps that a message may be on its way.
+    /// Steps that a message may be in flight.
     delay: u32,
     period: u32,
     /// Steps for which digests are accepted.
     max_age: u32,
-    /// The facts held at each step that some digest may still have to be compared with.
+    /// The facts held at each step with which a digest may still be compared.
     past: VecDeque<(Step, Vec<HeldFacts>)>,
-    /// The life and the step of each neighbour's newest digest.
+    /// The incarnation and the step of the newest digest of each agent.
     newest: BTreeMap<AgentId, (Incarnation, Step)>,
     /// The own map.
     map: BlockHashes,
-    /// What a digest of some step tells of it.
+    /// The hashes of the own map in a digest of this step.
     told: Option<(Step, Vec<u16>)>,
-    /// Who lacks facts, and when to answer.
+    /// The agents that are missing facts, and when to answer them.
     lacking: BTreeMap<AgentId, Step>,
-    /// Per neighbour and block that it holds differently, when to say the block again.
+    /// Per agent and block in which its map differs, when to resend the block.
     blocks: BTreeMap<(AgentId, usize), Step>,
-    /// No snapshot for those who lack something before this.
+    /// The earliest step of the next snapshot for agents that are missing facts.
     next: Step,
 }
 
 impl Repair {
-    /// Nobody was heard yet.
+    /// The state before the first digest.
     pub fn new(config: &AgentConfig) -> Self {
         let steps = |seconds| config.steps(seconds).max(1);
         Self {
@@ -72,7 +72,7 @@ impl Repair {
         }
     }
 
-    /// What is held before the frame of step `now`, as a digest tells it.
+    /// The digest of what is held before the frame of step `now`.
     pub fn hold(&mut self, now: Step, facts: Vec<HeldFacts>, map: &BlockHashes) -> Digest {
         let oem = map.told_at(now);
         self.map.clone_from(map);
@@ -85,8 +85,8 @@ impl Repair {
         Digest { facts, oem }
     }
 
-    /// A neighbour's digest of step `then` of one of its lives came at step `now`. One that newer ones
-    /// have overtaken tells nothing.
+    /// Compares the digest of step `then` of an agent, which arrived at step `now`. A digest older than the
+    /// newest one of that agent is skipped.
     pub fn hear(
         &mut self,
         now: Step,
@@ -115,9 +115,9 @@ impl Repair {
         }
     }
 
-    /// The blocks of the map that somebody told of otherwise at step `then` than it is known here.
+    /// The blocks whose hashes `theirs`, told at step `then`, differ from those of the own map.
     fn differing_blocks(&mut self, then: Step, theirs: &[u16]) -> BTreeSet<usize> {
-        // Most neighbours tell of the same step and hold the same map.
+        // Most digests are of the same step and of the same map.
         if self.told.as_ref().is_none_or(|(step, _)| *step != then) {
             self.told = Some((then, self.map.told_at(then)));
         }
@@ -126,32 +126,32 @@ impl Repair {
         theirs.iter().zip(told).enumerate().filter_map(differs).collect()
     }
 
-    /// Whether somebody is due a snapshot.
+    /// Whether a snapshot is due for an agent that is missing facts.
     pub fn snapshot_due(&self, now: Step) -> bool {
         now >= self.next
             && self.lacking.values().any(|&at| at <= now)
             && !is_on(Mutant::NeverRepairs)
     }
 
-    /// A snapshot was said at `now`: wait and see whom it helped.
+    /// Notes that a snapshot was sent at `now`: later digests show which agents are still missing facts.
     pub fn snapshot_said(&mut self, now: Step) {
         self.next = now.after(self.period);
         self.lacking.clear();
     }
 
-    /// None is to be said before `retry`: there is no room for one.
+    /// Postpones snapshots to `retry`, because none fitted the budget.
     pub fn snapshot_failed(&mut self, retry: Step) {
         self.next = self.next.max(retry);
     }
 
-    /// Somebody else said a snapshot: wait and see whether it helped.
+    /// Notes that a snapshot of another agent arrived at `now`: postpones answers until its effect shows.
     pub fn snapshot_heard(&mut self, now: Step) {
         let answer_at = |from| now.after(self.delay).after(self.turn(from) * TURN_STEPS);
         let later: Vec<_> = self.lacking.keys().map(|&from| (from, answer_at(from))).collect();
         self.lacking.extend(later);
     }
 
-    /// The blocks of the map to be said again at `now`, the longest due first.
+    /// The blocks of the map to resend at `now`, the longest due first.
     pub fn blocks_due(&self, now: Step) -> Vec<usize> {
         if is_on(Mutant::MapNeverRepaired) {
             return Vec::new();
@@ -167,8 +167,8 @@ impl Repair {
         due
     }
 
-    /// These blocks were said at `now`. Whoever is gone never agrees: the blocks it lacks must not keep
-    /// others from their turn.
+    /// Notes that these blocks were sent at `now`. They are due again only after a period: the map of an
+    /// agent that is gone differs for ever, and its blocks must not displace others.
     pub fn blocks_said(&mut self, now: Step, said: &[usize]) {
         let again = now.after(self.period);
         for ((_, block), at) in &mut self.blocks {
@@ -178,11 +178,10 @@ impl Repair {
         }
     }
 
-    /// Whether `from` was behind at step `then` by more than messages on their way explain: by what was
-    /// held already when the oldest of them was sent. How many facts it is behind does not tell: of a
-    /// life that is over there are no more to come, and the last ones may be all that it lacks.
-    /// Whoever holds no facts at all does not say what it holds. What it said in an earlier life it has
-    /// forgotten.
+    /// Whether `from` was missing facts at step `then` that are not in flight any more: facts that were held
+    /// here already when the oldest message in flight was sent. The number of missing facts does not matter,
+    /// because of an incarnation that is over the last fact may be missing. A digest without facts does not
+    /// tell what its sender holds. The facts of its earlier incarnations the sender may be missing too.
     fn lacks_facts(&self, from: (AgentId, Incarnation), then: Step, theirs: &[HeldFacts]) -> bool {
         if theirs.is_empty() {
             return false;
@@ -198,7 +197,7 @@ impl Repair {
         })
     }
 
-    /// The own place in the order of those who answer `from`.
+    /// The turn of this agent among those that answer `from`.
     fn turn(&self, from: AgentId) -> u32 {
         let all = u32::from(self.agents.max(2));
         let turn = (u32::from(self.own.0) + all - u32::from(from.0) % all + all - 1) % all;
@@ -235,7 +234,7 @@ mod tests {
         }
     }
 
-    /// The first life of a neighbour that was in step `then` when it said so.
+    /// A digest of step `then` of the first incarnation of another agent arrives at step `now`.
     fn hear(repair: &mut Repair, now: u32, then: u32, digest: &Digest) {
         repair.hear(Step(now), AgentId(1), Incarnation(0), Step(then), digest);
     }
@@ -250,14 +249,14 @@ mod tests {
         Digest { facts: facts(counts), oem: Vec::new() }
     }
 
-    /// Somebody who has held these facts for long.
+    /// An agent that has held these facts for a long time.
     fn helper(own: u16, counts: [u32; 4]) -> Repair {
         let mut repair = repair(own);
         repair.hold(Step(20 - DELAY), facts(counts), &BlockHashes::default());
         repair
     }
 
-    /// A map of `blocks` blocks, of which these are known.
+    /// The hashes of a map of `blocks` blocks, of which these are known.
     fn map(blocks: usize, known: &[usize]) -> BlockHashes {
         let side_m = BLOCK as f64;
         let ground = Ground { size_m: [side_m * blocks as f64, side_m] };
@@ -268,7 +267,7 @@ mod tests {
         oem.block_hashes()
     }
 
-    /// What somebody with this map tells at a step.
+    /// The digest of an agent with this map at a step.
     fn map_digest(step: u32, map: &BlockHashes) -> Digest {
         Digest { facts: Vec::new(), oem: map.told_at(Step(step)) }
     }
@@ -281,7 +280,7 @@ mod tests {
         }
         hear(&mut repair, 20, 20, &digest([16, 16, 16, 16]));
         assert!(!repair.snapshot_due(Step(100)));
-        // Its own facts it need not hold from others.
+        // An agent does not count its own facts as missing.
         hear(&mut repair, 20, 20, &digest([16, 0, 16, 16]));
         assert!(!repair.snapshot_due(Step(100)));
         hear(&mut repair, 20, 20, &digest([15, 16, 16, 16]));
@@ -293,7 +292,7 @@ mod tests {
         assert!(!repair.snapshot_due(Step(31)));
     }
 
-    /// Facts and digests of the same link are as late as each other.
+    /// Facts and digests of one link have the same delay.
     #[test]
     fn a_late_digest_is_compared_with_what_its_sender_could_hold() {
         let mut repair = repair(2);
@@ -398,7 +397,7 @@ mod tests {
         repair.hold(Step(20), Vec::new(), &own);
         hear(&mut repair, 20, 20, &map_digest(20, &other));
         assert_eq!(repair.blocks_due(Step(23)), []);
-        // A late digest is compared as of its own step.
+        // A late digest is compared with the hashes of its own step.
         hear(&mut repair, 23, 21, &map_digest(21, &other));
         assert_eq!(repair.blocks_due(Step(24)), [1]);
         assert_eq!(repair.blocks_due(Step(25)), [1], "it did not fit");

@@ -1,4 +1,4 @@
-//! What to say, and how often.
+//! What to send to the other agents, and how often.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -20,60 +20,60 @@ use crate::identity::Identity;
 use crate::mutant::{Mutant, is_on};
 use crate::sense::Measured;
 
-/// The share of what may be said that facts leave to the next snapshot.
+/// The share of the budget that facts leave to the next snapshot.
 const SNAPSHOT_SHARE: f64 = 0.25;
 /// Steps until a snapshot that did not fit is tried again.
 const RETRY_STEPS: u32 = 4;
 
-/// What an agent has to tell of one step.
+/// What the messages of one step are made of.
 #[derive(Debug, Clone)]
 pub struct StepContent<'a> {
-    /// When it tells.
+    /// When they are sent.
     pub now: SimTime,
     /// The step of the frame.
     pub step: Step,
-    /// Where the camera was.
+    /// The pose of the frame.
     pub pose: Pose,
     /// What the frame proved.
     pub measured: &'a Measured,
     /// Cells of the OEM that the frame changed.
     pub changed: BTreeMap<u32, OemCell>,
-    /// What the agent knew before.
+    /// What the agent knew before the frame.
     pub knowledge: &'a Knowledge,
-    /// What it held before.
+    /// The digest of what it held before the frame.
     pub held: Digest,
-    /// Where UAVs are, as far as the agent knows, metres.
+    /// The last known positions of UAVs, metres.
     pub uavs: Vec<[f64; 2]>,
 }
 
-/// What was said of a frame.
+/// The fact of a frame as it was sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SentFact {
-    /// Of the message.
+    /// The identity of the message.
     pub identity: Identity,
-    /// Whether it tells all that the frame proved.
+    /// Whether it holds all that the frame proved.
     pub in_full: bool,
 }
 
-/// What there is to say of a step, in full.
+/// The message of a step before it is simplified.
 #[derive(Debug, Clone)]
 struct Draft<'a> {
     content: &'a StepContent<'a>,
     /// The fact of the frame.
     fact: Fact,
-    /// Blocks of the map that others lack, the longest due first.
+    /// Blocks of the map that other agents are missing, the longest due first.
     blocks: Vec<usize>,
 }
 
 impl Draft<'_> {
-    /// A fact that is the shorter the higher the level of simplification, and 0 is all of it.
+    /// The fact at a level of simplification: shorter at higher levels, and complete at level 0.
     fn fact_at(&self, level: u32) -> Fact {
         let mut fact = self.shortener(level).fact(&self.fact);
         fact.oem = self.with_blocks(level, fact.oem);
         fact
     }
 
-    /// A snapshot of `known`, likewise.
+    /// A snapshot with `known` at a level of simplification.
     fn snapshot_at(&self, level: u32, known: &Known) -> Snapshot {
         let mut snapshot = self.shortener(level).snapshot(&self.fact, known);
         snapshot.fact.oem = self.with_blocks(level, snapshot.fact.oem);
@@ -84,12 +84,12 @@ impl Draft<'_> {
         Shortener::new(level, &self.content.uavs, self.content.knowledge.ground())
     }
 
-    /// The blocks that are told of: half as many at each level, but each as a whole.
+    /// The blocks to resend: half as many at each level, each of them whole.
     fn blocks_at(&self, level: u32) -> &[usize] {
         &self.blocks[..self.blocks.len().min(BLOCKS_PER_FACT >> level)]
     }
 
-    /// A patch, and all that is known of the blocks.
+    /// A patch of `changes` and all known cells of the blocks to resend.
     fn with_blocks(&self, level: u32, changes: OemPatch) -> OemPatch {
         let blocks: BTreeSet<usize> = self.blocks_at(level).iter().copied().collect();
         if blocks.is_empty() {
@@ -101,7 +101,7 @@ impl Draft<'_> {
     }
 }
 
-/// Messages waiting to be sent, and the numbering of those that were.
+/// Makes messages, numbers them and queues them to be sent.
 #[derive(Debug, Clone)]
 pub struct Transmitter {
     config: AgentConfig,
@@ -109,9 +109,9 @@ pub struct Transmitter {
     facts_said: u32,
     answers: u64,
     next_snapshot: Step,
-    /// Bytes that may be said now; plans are said anyway and may make it negative.
+    /// Bytes that may be sent now; plans are sent in any case and may make it negative.
     credit: f64,
-    /// How many of them are kept for the next snapshot.
+    /// The part of the credit that is kept for the next snapshot.
     saved: f64,
     withheld: u64,
     /// The level of simplification of the last message on a channel.
@@ -120,7 +120,7 @@ pub struct Transmitter {
 }
 
 impl Transmitter {
-    /// An outbox that has sent nothing.
+    /// A transmitter that has sent nothing.
     pub fn new(config: &AgentConfig) -> Self {
         Self {
             config: config.clone(),
@@ -142,21 +142,21 @@ impl Transmitter {
         self.queue.pop_front()
     }
 
-    /// How many steps were not told of because nothing fitted the budget.
+    /// How many steps had no message because none fitted the budget.
     pub fn withheld(&self) -> u64 {
         self.withheld
     }
 
-    /// How many facts were said, alone or in snapshots.
+    /// How many facts were sent, alone or in snapshots.
     pub fn facts_said(&self) -> u32 {
         self.facts_said
     }
 
-    /// Says what this step's frame proved or what is known with it, as the mode demands. `None` when
-    /// nothing was said.
+    /// Sends the fact of this step's frame, alone or in a snapshot, as the mode requires. `None` when nothing
+    /// was sent.
     pub fn say_step(&mut self, content: &StepContent<'_>, repair: &mut Repair) -> Option<SentFact> {
         let ExchangeConfig { mode, snapshot_period_s, .. } = self.config.exchange;
-        // A station's facts prove nothing: it says one only for its digest.
+        // The facts of a station prove nothing: it sends them only for their digests.
         let is_mute = mode == ExchangeMode::Facts && self.config.is_station();
         if mode == ExchangeMode::None || is_mute {
             return None;
@@ -196,20 +196,20 @@ impl Transmitter {
         said
     }
 
-    /// One more step's bytes may be said, but no more at once than in a snapshot period.
+    /// Adds the bytes of one step to the credit, which is at most that of a snapshot period.
     fn earn(&mut self) {
         let ExchangeConfig { budget_bytes_s, snapshot_period_s, .. } = self.config.exchange;
         let (more, most) =
             (budget_bytes_s * self.config.period_s, budget_bytes_s * snapshot_period_s);
         self.credit = (self.credit + more).min(most);
-        // Finite, so that something is left of an infinite credit.
+        // Finite, so that an infinite credit minus it stays infinite.
         let most_saved = (SNAPSHOT_SHARE * most).min(f64::MAX);
         self.saved = (self.saved + SNAPSHOT_SHARE * more).min(most_saved);
     }
 
-    /// All that is known, for one that joins late. The frame is told as part of what is known: as a
-    /// fact of its own it proves nothing more. `None` before the first fact was said, and when nobody
-    /// would accept so much.
+    /// A snapshot of all knowledge for an agent that joins late. The last frame is part of the knowledge, so
+    /// the fact of the snapshot proves nothing. `None` before the first fact was sent, and when the snapshot
+    /// has more vertices than receivers accept.
     pub fn answer(
         &mut self,
         now: SimTime,
@@ -244,7 +244,7 @@ impl Transmitter {
         Some(Transmit { channel, sequence, bytes })
     }
 
-    /// Announces a flight plan.
+    /// Sends a flight plan.
     pub fn say_plan(&mut self, now: SimTime, pose: Pose, plan: Plan) {
         let step = plan.step;
         let body = encode(&Message::Plan(plan));
@@ -301,7 +301,7 @@ impl Transmitter {
         })
     }
 
-    /// Says the finest of the messages that fits.
+    /// Sends the finest version of a message that fits.
     fn say_draft(
         &mut self,
         channel: ChannelId,
@@ -399,7 +399,7 @@ mod tests {
         knowledge
     }
 
-    /// Somebody who knows nothing is gone, and facts have room for a block or two of the map.
+    /// An agent without knowledge is gone, and facts have room for one or two blocks of the map.
     #[test]
     fn every_block_is_said_though_few_fit() {
         let mut config = default_config([500.0; 2]);

@@ -1,4 +1,4 @@
-//! What is checked before anything in a message is believed.
+//! The checks of a message before it is believed.
 
 use csat_proto::envelope::{Envelope, EnvelopeError, decode_whole};
 use csat_proto::ids::{AgentId, MAX_TARGETS, TargetId};
@@ -16,10 +16,10 @@ use crate::estimate::oem::Oem;
 /// Why a message is not believed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Rejection {
-    /// The envelope is damaged or foreign.
+    /// The envelope is damaged, or not one of csat.
     #[error(transparent)]
     Envelope(#[from] EnvelopeError),
-    /// It belongs to another run.
+    /// The message belongs to another run.
     #[error("message of another run")]
     Run,
     /// The sender is no agent of this mission, or is the receiver itself.
@@ -27,7 +27,7 @@ pub enum Rejection {
     Sender {
         /// The sender's index.
         got: u16,
-        /// How many there are.
+        /// Number of agents.
         agents: u16,
     },
     /// The sender has restarted since.
@@ -35,10 +35,10 @@ pub enum Rejection {
     Incarnation {
         /// The message's.
         got: u32,
-        /// The newest one heard.
+        /// The newest one of that agent.
         known: u32,
     },
-    /// It comes from later than any clock error explains.
+    /// Its step is later than a clock error can explain.
     #[error("step {got} is ahead of step {now}")]
     Future {
         /// The message's step.
@@ -54,7 +54,7 @@ pub enum Rejection {
         /// The limit, seconds.
         max_s: f64,
     },
-    /// The body does not decode, or something follows it.
+    /// The body does not decode, or bytes are left over.
     #[error("malformed body")]
     Malformed,
     /// Steps of header and body differ.
@@ -110,9 +110,9 @@ pub enum Rejection {
     /// A digest of agents that do not exist, out of order, or of another map.
     #[error("a digest of {facts} lives and {blocks} blocks does not fit the fleet and its map")]
     Digest {
-        /// Lives it speaks of.
+        /// Incarnations that it lists.
         facts: usize,
-        /// Blocks it speaks of.
+        /// Blocks that it lists.
         blocks: usize,
     },
     /// More messages wait than a fleet can have sent within `max_age_s`.
@@ -124,7 +124,7 @@ pub enum Rejection {
 }
 
 impl Rejection {
-    /// A short name to count by.
+    /// A short name, by which dropped messages are counted.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Envelope(EnvelopeError::Checksum) => "checksum",
@@ -163,10 +163,10 @@ pub fn check_sender(config: &AgentConfig, src: AgentId) -> Result<(), Rejection>
     Ok(())
 }
 
-/// Checks header and body against what every receiver knows; `now` is its step.
+/// Checks header and body against the configuration; `now` is the step of the receiver.
 ///
 /// # Errors
-/// The first reason not to believe it.
+/// The first check that fails.
 pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Message, Rejection> {
     check_header(config, now, envelope)?;
     let message: Message = decode_whole(&envelope.body).ok_or(Rejection::Malformed)?;
@@ -224,7 +224,7 @@ fn check_header(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<
     if envelope.run != config.run {
         return Err(Rejection::Run);
     }
-    // A neighbour may already be in the step that this agent's next frame begins.
+    // Another agent may already be in the step of this agent's next frame.
     let ahead = config.steps(config.exchange.clock_skew_s).saturating_add(1);
     if envelope.step > now.after(ahead) {
         return Err(Rejection::Future { got: envelope.step.0, now: now.0 });
@@ -245,7 +245,7 @@ fn check_fact(config: &AgentConfig, fact: &Fact) -> Result<(), Rejection> {
     check_regions(config, sets_of_fact(fact))
 }
 
-/// `frame` is the step of the frame that came with it.
+/// `frame` is the step of the fact in the same snapshot.
 fn check_known(config: &AgentConfig, known: &Known, frame: Step) -> Result<(), Rejection> {
     if known.step > frame {
         return Err(Rejection::KnownStep { known: known.step.0, frame: frame.0 });
@@ -279,7 +279,7 @@ fn check_regions<'a>(
     config: &AgentConfig,
     regions: impl Iterator<Item = &'a Region>,
 ) -> Result<(), Rejection> {
-    // Exclusions may reach over the border of the region by their radius.
+    // Exclusions may exceed the border of the region by their radius.
     let slack_m = config.targets.target_distance_m + 1.0;
     let limit = config.ground.size_m.map(|size| to_units(size / 2.0 + slack_m));
     for region in regions {

@@ -23,12 +23,12 @@ pub struct VersionVector {
 struct VersionEntry {
     /// Facts 0 to `count` - 1 are contained, applied one by one or through a snapshot.
     count: u32,
-    /// The newest numbers that were applied themselves.
+    /// The greatest numbers of facts that were applied one by one.
     applied: BTreeSet<u32>,
 }
 
 impl VersionEntry {
-    /// Counts the facts that follow those counted.
+    /// Advances `count` over the facts that were applied.
     fn count_on(&mut self) {
         while self.count < u32::MAX && self.applied.contains(&self.count) {
             self.count += 1;
@@ -45,7 +45,7 @@ impl VersionVector {
 
     /// Whether a fact was applied already; a repeat would change nothing.
     pub fn has_applied(&self, src: AgentId, incarnation: Incarnation, number: u32) -> bool {
-        if is_on(Mutant::RepeatsOfOtherLivesIgnored) {
+        if is_on(Mutant::RepeatsOfOtherIncarnationsIgnored) {
             return self
                 .entries
                 .iter()

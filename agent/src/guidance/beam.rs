@@ -1,11 +1,11 @@
 //! `str4`: ground counts for as long as it stays unseen.
 //!
-//! The cost of a candidate is Σ_k φ(X^Δ_k) over the blocks k = 1..N_MPC of the horizon, where (5.27)
-//! has φ(X^Δ) at its end alone: what is seen early stops growing early. First looks at buildings count
-//! more ([`super::first_looks`]). The horizon is long enough to
-//! look all around and to go and do it elsewhere, too long to try every sequence, so the search is a
-//! beam: per block the best candidates go on, at most one per place, lest the beam fill up with detours
-//! to the same spot.
+//! The cost of a candidate is Σ_k φ(X^Δ_k) over the blocks k = 1..N_MPC of the horizon, where (5.27) has
+//! φ(X^Δ) at the end of the horizon only: ground that is seen early stops growing early. First looks at
+//! buildings count more ([`super::first_looks`]). The horizon is long enough to look all around and to fly on
+//! and look elsewhere. It is too long to try every sequence, so the search is a beam search: per block the best
+//! candidates are kept, at most one per rounded pose, so that the beam does not fill with detours to the same
+//! pose.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +20,7 @@ use super::turning::Turning;
 use super::{BlockKind, Decision, PlannerInput};
 use crate::config::AgentConfig;
 
-/// Cells of the search, metres, unless the sets it is given are coarser.
+/// Cells of the search, metres, unless the rasters of its input are coarser.
 const CELL_M: f64 = 4.0;
 
 /// The planner of `str4`.
@@ -29,12 +29,12 @@ pub(super) struct Beam {
     grid: Grid,
     rounded_views: RoundedViews,
     first_looks: FirstLooks,
-    /// What a cell counts more when it is looked at for the first time, blocks.
+    /// The bonus of a cell at the first look, blocks.
     first_look: i64,
     motion: Motion,
     overlap: ViewOverlap,
     turning: Turning,
-    /// U, radians, in the order of preference among equals.
+    /// U, radians, in the order of preference among increments of equal cost.
     increments: Vec<f64>,
     blocks: usize,
     width: usize,
@@ -43,16 +43,16 @@ pub(super) struct Beam {
     scratch: Raster,
 }
 
-/// A candidate, up to some block.
+/// A candidate: increments up to some block.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
-    /// Its place among the candidates of the block before.
+    /// Its index among the candidates of the block before.
     parent: usize,
-    /// The last yaw increment, radians, and where it leads.
+    /// The last yaw increment, radians; `pose` is at its end.
     increment_rad: f64,
     pose: Pose,
     place: RoundedPose,
-    /// Cells of X^Δ, summed over the blocks, less what first looks are worth.
+    /// Cells of X^Δ, summed over the blocks, less the bonus of first looks.
     cost: i64,
 }
 
@@ -121,7 +121,7 @@ impl Beam {
         coarse
     }
 
-    /// What all neighbours whose views may meet one's own would see at the end of each block.
+    /// What the other UAVs would see at the end of each block, as far as their views may overlap the own ones.
     fn seen_by_others(&mut self, own: &Pose, neighbours: &[Vec<Pose>]) -> Vec<Raster> {
         let mut seen = vec![Raster::empty(self.grid); self.blocks];
         for plan in neighbours {
@@ -137,17 +137,17 @@ impl Beam {
         seen
     }
 
-    /// The radius by which X^Δ spreads in a block, metres. A cell is about as long as the way of a
-    /// target in a block, so whole cells are added in some blocks and none in others: rounded up in
-    /// every one of them, sets would seem to grow by a third too fast.
+    /// The radius by which X^Δ spreads in a block, metres. A cell is about as long as the way of a target in a
+    /// block, so one cell is added in some blocks and none in others. Rounded up in every block, sets would
+    /// grow by a third too fast.
     fn spread_m(&self, block: usize) -> f64 {
         let cells = |blocks: usize| (blocks as f64 * self.growth_m / self.grid.cell_m).round();
-        // Half a cell less reaches the centres of that many cells and no farther ones.
+        // Half a cell less reaches the centres of exactly that many cells.
         ((cells(block + 1) - cells(block) - 0.5) * self.grid.cell_m).max(0.0)
     }
 
-    /// Every X^Δ a block later, before the own look: it has grown by f^t (4.24) and lost `kept`, where
-    /// no target can be or a neighbour looks.
+    /// Advances every X^Δ by a block, before the own look: it grows by f^t (4.24) and loses `kept`, where no
+    /// target can be or another UAV looks.
     fn pass_block(&mut self, sets: &mut [Raster], kept: &Raster, spread_m: f64) {
         for set in sets {
             set.dilate_disc_into(spread_m, &mut self.scratch);
@@ -156,7 +156,7 @@ impl Beam {
         }
     }
 
-    /// All that `beam` may do in the next block, when X^Δ is in `sets` but for the own look.
+    /// The children of `beam` in the next block; `sets` are X^Δ before the own look.
     fn children(
         &mut self,
         input: &PlannerInput<'_>,
@@ -180,9 +180,9 @@ impl Beam {
         children
     }
 
-    /// The candidates that go on, the best first.
+    /// The candidates that are kept, the best first.
     fn best(&self, mut children: Vec<Candidate>) -> Vec<Candidate> {
-        // Stable: among equals those of the better parent, then of the gentler turn.
+        // The sort is stable: at equal cost the child of the better parent comes first, then the gentler turn.
         children.sort_by_key(|child| child.cost);
         let mut taken = BTreeSet::new();
         children.retain(|child| taken.len() < self.width && taken.insert(child.place));
@@ -198,7 +198,7 @@ impl Beam {
     }
 }
 
-/// The increments and poses that led to the first candidate of the last beam.
+/// The increments and poses of the first candidate of the last beam.
 fn first_of(beams: &[Vec<Candidate>]) -> (Vec<f64>, Vec<Pose>) {
     let mut at = 0;
     let mut way: Vec<(f64, Pose)> = beams[1..]

@@ -38,8 +38,8 @@ fn start(rng: &mut ChaCha8Rng) -> Pose {
     Pose::level([-90.0, rng.random_range(-60.0..60.0), 53.0], rng.random_range(-0.7..0.7))
 }
 
-/// With the four neighbours of every cell: 3 m of growth are a cell of 4 m in each of the first blocks,
-/// as 6 m are 1.5 of them.
+/// The set with the four neighbours of every cell: 3 m of growth are one cell of 4 m in each of the first two
+/// blocks, as 6 m are 1.5 cells.
 fn spread(set: &Raster) -> Raster {
     let (mut spread, grid) = (set.clone(), *set.grid());
     for (column, row) in set.iter() {
@@ -73,8 +73,8 @@ fn sets_spread_as_fast_as_targets_drive() {
     }
 }
 
-/// Σ φ(X^Δ_k) of a sequence, cells by the definition, less what first looks count; what is seen by the
-/// camera from the middle of the nearest third cell and the nearest quarter of a degree, point by point.
+/// Σ φ(X^Δ_k) of a sequence by the definition, cells, less the bonus of first looks. Views are those of the
+/// camera at the rounded pose (every third cell, every quarter of a degree), point by point.
 fn cost(config: &AgentConfig, scene: &Scene, start: &Pose, poses: &[Pose], other: &[Pose]) -> f64 {
     let beam = Beam::new(config, vec![]);
     let (mut remaining, margin) = (beam.coarse(&scene.wanted), beam.coarse(&scene.margin));
@@ -129,7 +129,7 @@ fn cost(config: &AgentConfig, scene: &Scene, start: &Pose, poses: &[Pose], other
     sum
 }
 
-/// A beam that holds every candidate is the whole tree.
+/// A beam that keeps every candidate searches the whole tree.
 #[test]
 fn a_wide_beam_finds_what_brute_force_finds() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
@@ -169,8 +169,8 @@ fn a_wider_beam_is_dearer_and_seldom_worse() {
     assert!(wide < narrow, "{wide} {narrow}");
 }
 
-/// What is remembered from other decisions, other worlds among them, leaves no trace: neither where
-/// buildings are new or higher nor where they vanished.
+/// Caches of earlier decisions, also with other maps, have no effect: neither where buildings are new or
+/// higher nor where they vanished.
 #[test]
 fn a_plan_is_a_function_of_its_arguments() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);
@@ -189,7 +189,7 @@ fn a_plan_is_a_function_of_its_arguments() {
     }
 }
 
-/// Two patches, a building on each: among equals a UAV looks at the one that nobody has looked at yet.
+/// Two patches, a building on each: at equal cost a UAV looks at the one without an earlier look.
 #[test]
 fn unknown_buildings_attract() {
     let mut config = config(1, 60);
@@ -217,7 +217,7 @@ fn unknown_buildings_attract() {
     assert_eq!(sides.map(|unknown| turned(unknown, 10)), [60.0, -60.0]);
 }
 
-/// Two patches, one to each side: who comes second flies to the other one.
+/// Two patches, one to each side: the second UAV flies to the other one.
 #[test]
 fn neighbours_repel() {
     let config = config(3, 60);

@@ -1,4 +1,4 @@
-//! The search against brute force, mirrors and itself.
+//! The search against brute force, against mirrored scenes, and repeated.
 
 use csat_proto::oem::OemDelta;
 use rand::{RngExt, SeedableRng};
@@ -41,7 +41,7 @@ fn random_pose(config: &AgentConfig, rng: &mut ChaCha8Rng) -> Pose {
     Pose::level([x, y, rng.random_range(50.0..62.0)], rng.random_range(-7.0..7.0))
 }
 
-/// What a pose sees by a criterion, from the definitions.
+/// What a pose sees by a criterion, computed from the definitions.
 struct BruteVisibility<'a> {
     planner: Planner,
     config: &'a AgentConfig,
@@ -104,7 +104,7 @@ impl BruteVisibility<'_> {
         };
         let mut cells: Vec<(u32, u32)> = remaining.iter().collect();
         cells.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        // What remains in the footprint is what the pose does not see.
+        // X^Δ that remains in the footprint is not seen from the pose.
         let open = |&&(c, r): &&(u32, u32)| !footprint.get(c, r) && !self.is_hidden(last, c, r);
         let distance = cells.iter().find(open).or(cells.first()).map_or(0.0, distance);
         remaining.area_m2() + kappa * recent.area_m2() + guidance.lambda * distance
@@ -182,7 +182,7 @@ fn a_mirrored_world_is_flown_mirrored() {
     }
 }
 
-/// Scratch memory leaves no trace, and a longer horizon has its nodes.
+/// Scratch memory has no effect, and a longer horizon has more nodes.
 #[test]
 fn a_plan_is_a_function_of_its_arguments() {
     let mut rng = ChaCha8Rng::seed_from_u64(13);

@@ -1,4 +1,4 @@
-//! What a criterion counts as seen and what it costs (docs/concepts/guidance.md, thesis §5.2).
+//! What counts as seen by a criterion, and its cost (docs/concepts/guidance.md, thesis §5.2).
 
 use std::sync::Arc;
 
@@ -13,12 +13,12 @@ use super::view_cache::ViewCache;
 use crate::config::{AgentConfig, Criterion};
 use crate::estimate::oem::Oem;
 
-/// What keeps a part of the footprint from being seen.
+/// What hides a part of the footprint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Occlusion {
     /// Nothing (5.8).
     None,
-    /// H^CVS of this step, wherever the UAV flies (5.17).
+    /// H^CVS of this step, for every predicted pose (5.17).
     Now,
     /// H^OEM of the predicted pose (5.23).
     Oem,
@@ -32,14 +32,14 @@ pub struct Terms {
     /// J¹ (5.15), (5.20), (5.26): from the barycentre of the last predicted footprint to the nearest
     /// part of X^Δ that is not hidden, m; 0 when nothing remains.
     pub distance_m: f64,
-    /// J² (5.31): φ of the part of X^Δ at the horizon that was hidden of late, m².
+    /// J² (5.31): φ of the part of X^Δ at the horizon that was recently hidden, m².
     pub hidden_m2: f64,
 }
 
 /// The weights of [`Terms`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Weights {
-    /// λ, per metre against square metres.
+    /// λ, m² per metre.
     lambda: f64,
     /// κ; 0 unless the criterion is (5.32).
     kappa: f64,
@@ -52,14 +52,14 @@ impl Weights {
         Self { lambda: guidance.lambda.max(0.0), kappa }
     }
 
-    /// J⁰ + κ·J² + λ·J¹, m². The first two are whole cells, so candidates that see as much tie
-    /// exactly and the distance decides.
+    /// J⁰ + κ·J² + λ·J¹, m². The first two are whole cells, so candidates that see equal areas have exactly
+    /// equal terms, and the distance decides.
     pub(super) fn cost(&self, terms: &Terms) -> f64 {
         terms.remaining_m2 + self.kappa * terms.hidden_m2 + self.lambda * terms.distance_m
     }
 }
 
-/// Predicts what a pose would see, as the criterion has it.
+/// Predicts what a pose would see by the criterion.
 #[derive(Debug, Clone)]
 pub(super) struct VisibilityModel {
     camera: CameraModel,
@@ -95,7 +95,7 @@ impl VisibilityModel {
         self.criterion != Criterion::Str1
     }
 
-    /// Takes over the OEM if the criterion reads it.
+    /// Loads the OEM if the criterion reads it.
     pub(super) fn load(&mut self, oem: &Oem) {
         if self.occlusion == Occlusion::Oem {
             self.occupied.load(oem);
@@ -107,8 +107,8 @@ impl VisibilityModel {
         Footprint::of(&self.camera.at(pose), &self.grid)
     }
 
-    /// F(x^u) ∩ `grown` without what the criterion takes to be hidden. `grown` is that of `view_cache`, which
-    /// are in the world of the OEM; `hidden_now` is the viewer's own H^CVS, if known.
+    /// F(x^u) ∩ `grown` without what is hidden by the criterion. `grown` is that of `view_cache`, whose views
+    /// are those of the loaded OEM; `hidden_now` is the H^CVS of the UAV that looks, if known.
     pub(super) fn look(
         &mut self,
         pose: &Pose,
@@ -138,7 +138,7 @@ impl VisibilityModel {
         VisibleCells::of(&self.grid, seen)
     }
 
-    /// H^OEM(x^u) ∩ F(x^u) ∩ X_g (§4.6.4), whatever the criterion.
+    /// H^OEM(x^u) ∩ F(x^u) ∩ X_g (§4.6.4), for every criterion.
     pub(super) fn predicted_hidden(&mut self, oem: &Oem, pose: &Pose) -> Raster {
         let footprint = self.footprint(pose);
         self.occupied.load(oem);
@@ -152,9 +152,9 @@ impl VisibilityModel {
 
     /// J¹ of a last pose: `base` is X^Δ at the horizon before the look from that pose, which sees `seen`.
     ///
-    /// What remains of `base` within the footprint is what the pose does not see, so the nearest
-    /// part that is not hidden lies outside. When all that remains is hidden, it counts as if it
-    /// were not: the UAV has to go there somehow.
+    /// The part of `base` that remains within the footprint is not seen from the pose, so the nearest part that
+    /// is not hidden lies outside the footprint. When all of the rest is hidden, the distance is to the nearest
+    /// hidden part, because the UAV has to fly there.
     pub(super) fn distance_m(
         &self,
         base: &Raster,

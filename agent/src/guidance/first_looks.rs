@@ -1,9 +1,9 @@
-//! Buildings that nobody has looked at from nearby, for `str4`.
+//! Buildings that no UAV has looked at from nearby yet, for `str4`.
 //!
-//! Whoever has a building before the camera, from near enough, learns X° in and around it, and X^Δ never
-//! again grows out of there. The prediction (5.27) knows nothing of that: X° stays what it is. So cells
-//! beside buildings that have been X^Δ ever since count for more when they are looked at for the first
-//! time. Where two looks taught nothing there is nothing to be learnt.
+//! A UAV that looks at a building from nearby learns X° in and around it, from which X^Δ never grows again. The
+//! prediction (5.27) does not model that: its X° is constant. So cells beside buildings that have always been
+//! in X^Δ have a bonus when they are looked at for the first time. After two looks that added nothing to X° the
+//! cell has no bonus any more.
 
 use std::collections::BTreeMap;
 
@@ -14,30 +14,31 @@ use super::height_map::{HeightMap, STOREY_M};
 use super::rounded_views::{Aim, Bits, HeadingFootprint, RoundedPose, VisibleCells};
 use crate::config::AgentConfig;
 
-/// X° is what is sure to be nearer than the obstacle distance. Depth errors of so much of it leave little.
+/// X° is the ground that is certainly within the obstacle distance. Depth errors above this share of the
+/// obstacle distance leave little of it.
 const DEPTH_ERROR: f64 = 0.5;
-/// Roofs are taken to be as high as the next multiple of this, storeys.
+/// Heights of roofs are rounded up to multiples of this, storeys.
 const ROOF_STOREYS: u8 = 5;
-/// How far from a building that is known more of it may stand, metres.
+/// How far from the known part of a building an unknown part may be, metres.
 const BESIDE_M: f64 = 12.0;
 
 static NOTHING: VisibleCells = VisibleCells::nothing();
 
-/// What is left to be looked at for the first time.
+/// The cells that are to be looked at for the first time.
 #[derive(Debug, Clone)]
 pub(super) struct FirstLooks {
-    /// One that sees as far as anything is learnt.
+    /// The camera of guidance with the range within which a look adds to X°.
     camera: CameraModel,
     grid: Grid,
-    /// X^Δ \ X° at every decision so far, but for what was looked at twice.
+    /// The cells that were in X^Δ \ X° at every decision so far, without those that were looked at twice.
     unknown: Raster,
-    /// What was looked at once.
+    /// The cells that were looked at once.
     once: Raster,
     /// `unknown` beside buildings, at this decision, by the height of their roofs, metres.
     roofs: Vec<(f64, Vec<Bits>)>,
-    /// Of a camera so high above a roof.
+    /// The footprints of a camera by its heading and its height above a roof.
     footprints: BTreeMap<Aim, HeadingFootprint>,
-    /// What is seen of `roofs`.
+    /// The cells of `roofs` that are seen from a rounded pose.
     known: BTreeMap<RoundedPose, VisibleCells>,
 }
 
@@ -60,7 +61,8 @@ impl FirstLooks {
         }
     }
 
-    /// The next decision, at `pose`: X^Δ is `wanted`, X° is `margin`, and `height_map` is what stands there.
+    /// Begins the next decision, at `pose`, with X^Δ in `wanted`, X° in `margin` and the buildings of
+    /// `height_map`.
     pub(super) fn load(
         &mut self,
         wanted: &Raster,
@@ -97,7 +99,7 @@ impl FirstLooks {
         roofs
     }
 
-    /// Those cells whose roofs are in the image, and near, at `place`.
+    /// The cells whose roofs are in the image and nearby at `place`.
     pub(super) fn look(&mut self, place: RoundedPose) -> &VisibleCells {
         if self.roofs.is_empty() {
             return &NOTHING;

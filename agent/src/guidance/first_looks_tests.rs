@@ -1,4 +1,4 @@
-//! First looks against the camera, point by point, and against what a UAV has seen before.
+//! First looks against the camera, point by point, and against earlier looks.
 
 use csat_proto::model::Ground;
 use nalgebra::Vector3;
@@ -22,7 +22,7 @@ fn everything() -> Raster {
     all
 }
 
-/// Of a world with buildings.
+/// A caster of a map with buildings.
 fn town(seed: u64) -> RayCaster {
     let mut caster = RayCaster::new(grid(), 300.0);
     caster.load(&random_oem(&mut ChaCha8Rng::seed_from_u64(seed), 60.0));
@@ -41,7 +41,7 @@ fn middle() -> Pose {
     Pose::level([x, y, 52.0], 0.0)
 }
 
-/// Where it looks elsewhere.
+/// A pose from which the camera looks elsewhere.
 fn aside() -> Pose {
     Pose { yaw_rad: 3.0, ..middle() }
 }
@@ -63,7 +63,7 @@ fn roofs_come_into_view_where_the_camera_sees_them() {
         let (seen, camera) = (seen(&mut first_looks, &pose), config.camera.at(&pose));
         for (column, row) in everything().iter() {
             let p = grid().centre(column, row);
-            // Whose squares are within 12 m.
+            // The cells whose squares are within 12 m.
             let gap_m = |cells: i32| (f64::from(cells.abs()) - 0.5).max(0.0) * 4.0;
             let beside = (-4..=4).flat_map(|x| (-4..=4).map(move |y| [x, y]));
             let beside = beside.filter(|[x, y]| gap_m(*x).hypot(gap_m(*y)) <= 12.0);
@@ -74,7 +74,7 @@ fn roofs_come_into_view_where_the_camera_sees_them() {
             let in_image = camera
                 .project(&roof)
                 .is_some_and(|[c, r]| (0.0..480.0).contains(&c) && (0.0..360.0).contains(&r));
-            // From there 1 % is half the obstacle distance.
+            // At this distance a depth error of 1 % is half the obstacle distance.
             let is_near = (roof - camera.centre_world()).norm() <= 125.0;
             let is_there = (1.0..53.0).contains(&height_m) && !margin.get(column, row);
             let is_expected = in_image && is_near && is_there;
@@ -111,11 +111,11 @@ fn what_was_looked_at_twice_in_vain_is_given_up() {
         counts.push(seen(&mut first_looks, &middle()).count());
     }
     assert!(counts[0] > 50, "{counts:?}");
-    // The second look is the last that counts.
+    // The second look is the last one with a bonus.
     assert_eq!(counts, [counts[0], counts[0], counts[0], 0]);
 }
 
-/// Without noise the camera's own reach is all there is.
+/// Without noise the range of the camera is the only limit.
 #[test]
 fn exact_cameras_see_farther() {
     let (caster, nothing) = (town(1), Raster::empty(grid()));

@@ -2,26 +2,26 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`airspace`] | which increments may be flown where buildings are higher than the flights |
+//! | [`airspace`] | which increments are safe where buildings are higher than the UAVs fly |
 //! | `footprint` | F(x^u) ∩ X_g, a run of cells per row |
-//! | `shadow` | H^OEM(x^u), what the boxes of the OEM would hide |
-//! | [`criterion`] | what a criterion counts as seen, and its cost |
-//! | `view_cache` | what is seen from where, found once for all agents that know the same |
+//! | `shadow` | H^OEM(x^u), the ground that the boxes of the OEM would hide |
+//! | `criterion` | what a criterion counts as seen, and its cost |
+//! | `view_cache` | views by pose, shared by all agents with the same knowledge |
 //! | [`PlannerRasters`] | the sets that the planner reads, as rasters |
-//! | `nearest` | how far it is to the nearest part of X^Δ in the open |
-//! | [`rollout`] | prediction: poses and X^Δ, block by block |
+//! | `nearest` | the distance to the nearest part of X^Δ that is not hidden |
+//! | `rollout` | prediction: poses and X^Δ, block by block |
 //! | `search` | the tree of yaw increments |
-//! | `beam` | `str4`: the best few candidates, block by block |
-//! | `first_looks` | buildings that `str4` has not seen from nearby yet |
-//! | `rounded_views` | what `str4` sees from where, remembered |
-//! | `height_map` | the buildings of the map on the cells of `str4` |
-//! | `viewshed` | what buildings hide from a cell, for `str4` |
+//! | `beam` | `str4`: beam search |
+//! | `first_looks` | buildings that no UAV has looked at from nearby yet, for `str4` |
+//! | `rounded_views` | views by rounded pose, for `str4` |
+//! | `height_map` | the heights of the buildings of the map, for `str4` |
+//! | `viewshed` | the cells that buildings hide from a cell, for `str4` |
 //! | `turning` | motion with the delay of a turn, for `str4` |
 //! | `route` | `circles` and `lawnmower`: no planning |
-//! | [`schedule`] | who plans when, and with which plans of the others |
+//! | `schedule` | when each UAV plans, and with which plans of the others |
 //!
-//! Nothing here needs a guarantee: sets are rasters. Everything is a function of its arguments, and in
-//! `str4` and `lawnmower` of those before.
+//! Guidance needs no guarantee, so its sets are rasters. A decision is a function of its arguments; in `str4`
+//! and `lawnmower` also of the arguments of earlier decisions.
 
 use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
@@ -31,16 +31,16 @@ use crate::estimate::oem::Oem;
 
 pub mod airspace;
 mod beam;
-pub mod criterion;
+mod criterion;
 mod first_looks;
 mod footprint;
 mod height_map;
 mod nearest;
 mod rasters;
-pub mod rollout;
+mod rollout;
 mod rounded_views;
 mod route;
-pub mod schedule;
+pub(crate) mod schedule;
 mod search;
 mod shadow;
 mod turning;
@@ -49,14 +49,18 @@ mod viewshed;
 
 use airspace::Ways;
 use beam::Beam;
-use criterion::{Terms, VisibilityModel, Weights};
-pub use rasters::PlannerRasters;
-use rollout::{Level, Motion, Surroundings, ViewOverlap};
+use criterion::{VisibilityModel, Weights};
+use rollout::{Level, Surroundings, ViewOverlap};
 use route::Route;
 use search::Search;
+
+pub use criterion::Terms;
+pub use rasters::PlannerRasters;
+pub use rollout::Motion;
+pub use schedule::PlanError;
 pub use view_cache::ViewCache;
 
-/// What an agent knows at a decision, as far as its planner cares. All rasters are on
+/// The knowledge of an agent that its planner reads at a decision. All rasters are on
 /// [`AgentConfig::raster_grid`].
 #[derive(Debug, Clone, Copy)]
 pub struct PlannerInput<'a> {
@@ -73,25 +77,25 @@ pub struct PlannerInput<'a> {
     pub hidden_recent: &'a Raster,
     /// M; only `str3` and `str4` read it.
     pub oem: &'a Oem,
-    /// What was seen so far of `wanted` in the world of `oem`, by whomever; `str1` to `str3`.
+    /// The views of `wanted` given `oem` that agents with this knowledge share; `str1` to `str3`.
     pub view_cache: Option<&'a ViewCache>,
     /// Which increments may be flown, at least one; `None` where buildings are below the flights.
     pub ways: Option<&'a Ways<'a>>,
 }
 
-/// Which block of a candidate is chosen for, where buildings are higher than the flights.
+/// Which increments a block of a candidate may have where buildings are higher than the UAVs fly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum BlockKind {
-    /// The one that is flown: it has to be safe.
+    /// The first block, which is flown: increments that are safe.
     First,
-    /// A later one, which keeps off what is known to stand in the way.
+    /// A later block: increments that keep clear of known buildings.
     Later,
-    /// A later one where nothing else is left: it flies on, whatever stands there.
+    /// A later block without such an increment: all increments.
     Hopeless,
 }
 
 impl BlockKind {
-    /// That of this number.
+    /// The kind of the block of this number.
     fn at(block: usize) -> Self {
         if block == 0 { Self::First } else { Self::Later }
     }
@@ -110,23 +114,23 @@ impl PlannerInput<'_> {
     }
 }
 
-/// What to fly, and why.
+/// The result of planning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decision {
     /// The yaw increments, one per block, radians; the first is the command.
     pub increments_rad: Vec<f64>,
-    /// The predicted poses at the ends of the blocks (5.35): the plan to announce.
+    /// The predicted poses at the ends of the blocks (5.35): the plan to send.
     pub poses: Vec<Pose>,
-    /// J⁰ + κ·J² + λ·J¹, m²; in `str4` Σ φ(X^Δ) over the blocks less what first
-    /// looks are worth, m². 0 when nothing was planned.
+    /// J⁰ + κ·J² + λ·J¹, m²; in `str4` Σ φ(X^Δ) over the blocks less the bonus of first looks, m². 0 without
+    /// planning.
     pub cost: f64,
     /// The terms of the cost of `str1` to `str3`.
     pub terms: Terms,
-    /// How many poses were looked from, neighbours' not counted.
+    /// Number of own poses whose views were predicted.
     pub nodes: u32,
 }
 
-/// How a criterion finds what to fly.
+/// How a criterion finds its decision.
 #[derive(Debug, Clone)]
 enum Method {
     /// `str1` to `str3`: the whole tree.
@@ -137,8 +141,8 @@ enum Method {
     Route(Route),
 }
 
-/// Plans for one agent, one decision after the other. Holds nothing between two plans but configuration and
-/// scratch memory, for `str4` what was looked at, and for `lawnmower` the waypoint it flies to.
+/// Plans for one agent, one decision after the other. Its state between two plans is scratch memory, for `str4`
+/// also the first looks, and for `lawnmower` the waypoint it flies to.
 #[derive(Debug, Clone)]
 pub struct Planner {
     grid: Grid,
@@ -154,8 +158,8 @@ pub struct Planner {
 }
 
 impl Planner {
-    /// The planner of `config.guidance`. No increments means straight ahead; a horizon of 0 blocks
-    /// means 1.
+    /// The planner of `config.guidance`. Without increments it flies straight ahead; a horizon of 0 blocks is
+    /// one of 1 block.
     pub fn new(config: &AgentConfig) -> Self {
         let (grid, guidance) = (config.raster_grid(), &config.guidance);
         let increments = guidance.gentlest_first_rad();
@@ -181,11 +185,11 @@ impl Planner {
         }
     }
 
-    /// The best sequence of yaw increments from `pose` (`world`, metres; its yaw is the one the
-    /// vehicle flies or was last told to): in `str1` to `str3` exhaustively.
+    /// The best sequence of yaw increments from `pose` (`world`, metres; its yaw is the last commanded one); in
+    /// `str1` to `str3` by exhaustive search.
     ///
-    /// `neighbours` are each neighbour's predicted poses at the ends of the blocks from now on; what
-    /// is missing is flown straight ahead, and a neighbour without a pose is ignored.
+    /// `neighbours` are the predicted poses of each other UAV at the ends of the blocks from now on. After its
+    /// last pose a UAV flies straight ahead; a UAV without a pose is ignored.
     pub fn plan(
         &mut self,
         input: &PlannerInput<'_>,
@@ -250,18 +254,18 @@ impl Planner {
         self.visibility.footprint(pose).raster(self.grid)
     }
 
-    /// H^OEM(x^u) ∩ F(x^u) ∩ X_g (4.42), for the OEM's metric (5.45); whatever the criterion.
+    /// H^OEM(x^u) ∩ F(x^u) ∩ X_g (4.42), for the metric of the OEM (5.45); for every criterion.
     pub fn predicted_hidden(&mut self, oem: &Oem, pose: &Pose) -> Raster {
         self.visibility.predicted_hidden(oem, pose)
     }
 
-    /// All that X^Δ may cover within the horizon, whoever looks where.
+    /// All cells that X^Δ may cover within the horizon.
     fn grown(&self, wanted: &Raster) -> Raster {
         self.levels.iter().fold(wanted.clone(), |set, _| set.dilated_disc(self.growth_m))
     }
 
-    /// What the neighbours would see is the same in every node of a depth: it is found once.
-    /// Whoever is too far away to see what this UAV might is left out: in a large fleet most are.
+    /// Predicts what the other UAVs would see, which is the same for all nodes of a depth. UAVs whose views
+    /// cannot overlap those of this UAV are left out: in a large fleet most are.
     fn look_for_others(
         &mut self,
         input: &PlannerInput<'_>,

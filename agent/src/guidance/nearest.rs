@@ -1,5 +1,5 @@
-//! The nearest cell of a set that is accepted, best first: whether a cell is acceptable may take a walk
-//! along a line of sight, so it is asked of the cells that are nearer than the answer, and of no other.
+//! The nearest accepted cell of a set, by best-first search. The test of a cell may take a walk along a line of
+//! sight, so only cells nearer than the result are tested.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,14 +10,14 @@ use csat_proto::raster::{Grid, Raster};
 /// A cell of the set, by its distance first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct RowCandidate {
-    /// Lengths compare as their bits do.
+    /// The bits of a length have the same order as the length.
     distance_bits: u64,
     row: u32,
     column: u32,
     side: Side,
 }
 
-/// Where the next cells of a row are.
+/// The side on which the next cells of a row are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Side {
     East,
@@ -25,7 +25,7 @@ enum Side {
 }
 
 /// The distance from a point to the nearest centre of the cells of `set` that `accept` (column, row)
-/// lets through, metres. `skipped` tells which columns of a row do not count.
+/// accepts, metres. `skipped` returns the columns of a row that are skipped.
 pub(super) fn nearest_m(
     set: &Raster,
     from: [f64; 2],
@@ -62,7 +62,7 @@ pub(super) fn nearest_m(
     }
 }
 
-/// The cell of a point, (column, row), or the one next to it.
+/// The cell of a point (column, row), or the nearest one for a point outside the grid.
 fn cell_at(grid: &Grid, point: [f64; 2]) -> [u32; 2] {
     let (origin, counts) = (grid.origin(), [grid.columns, grid.rows]);
     [0, 1].map(|axis| {
@@ -71,8 +71,8 @@ fn cell_at(grid: &Grid, point: [f64; 2]) -> [u32; 2] {
     })
 }
 
-/// All rows from `start`, that of `y`, outwards, the nearest first: how far their centres are away at
-/// least, metres.
+/// All rows, the nearest to `y` first, with the distances of their centres from `y`, metres; `start` is the row
+/// of `y`.
 fn rows_from(grid: &Grid, start: u32, y: f64) -> impl Iterator<Item = (f64, u32)> {
     let gap_m = move |row: u32| (grid.centre(0, row)[1] - y).abs();
     (0..grid.rows).flat_map(move |offset| {
@@ -157,7 +157,7 @@ mod tests {
         }
     }
 
-    /// Every cell that is asked about is nearer than the one that is found.
+    /// Every cell that is tested is nearer than the result.
     #[test]
     fn no_cell_is_asked_about_in_vain() {
         let set = scattered();

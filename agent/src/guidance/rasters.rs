@@ -11,7 +11,7 @@ pub struct PlannerRasters {
     pub wanted: Raster,
     /// X°.
     pub margin: Raster,
-    /// What was hidden to anybody of late (5.30).
+    /// The ground that was recently hidden to an agent (5.30).
     pub hidden_recently: Raster,
 }
 

@@ -1,5 +1,4 @@
-//! Prediction: where a UAV would be (5.35) and what would remain to be seen (5.12)-(5.25), one block
-//! of T_MPC at a time.
+//! Prediction, block by block of T_MPC: the pose of a UAV (5.35) and the X^Δ that remains (5.12)-(5.25).
 
 use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
@@ -19,13 +18,13 @@ impl Motion {
         Self { block_m: config.fleet.speed_m_s * config.guidance.period_s }
     }
 
-    /// The pose one block after `pose` with a yaw increment: first the turn, then the way. Level.
+    /// The level pose one block after `pose` with a yaw increment: first the turn, then the way.
     pub fn advance(&self, pose: &Pose, increment_rad: f64) -> Pose {
         let yaw_rad = pose.yaw_rad + increment_rad;
         self.straight(&Pose { yaw_rad, ..*pose }, 1)
     }
 
-    /// The pose `blocks` after `pose`, straight ahead. Level.
+    /// The level pose `blocks` after `pose`, straight ahead.
     pub fn straight(&self, pose: &Pose, blocks: usize) -> Pose {
         let (sin, cos) = pose.yaw_rad.sin_cos();
         let way_m = self.block_m * blocks as f64;
@@ -33,8 +32,8 @@ impl Motion {
         Pose::level([x + way_m * cos, y + way_m * sin, z], pose.yaw_rad)
     }
 
-    /// The poses at the ends of the next `count` blocks by a plan of which `elapsed` blocks are over:
-    /// what is left of it, then straight ahead (thesis §5.3.2). Empty when the plan is.
+    /// The poses at the ends of the next `count` blocks by a plan of which `elapsed` blocks are over: the rest of
+    /// the plan, then straight ahead (thesis §5.3.2). Empty for an empty plan.
     pub fn forecast(&self, plan: &[Pose], elapsed: usize, count: usize) -> Vec<Pose> {
         let Some((last, past_end)) = plan.last().map(|last| (last, plan.len() - 1)) else {
             return Vec::new();
@@ -47,10 +46,10 @@ impl Motion {
     }
 }
 
-/// Whose views one's own may meet within the horizon.
+/// Which other UAVs may have views that overlap the own ones within the horizon.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ViewOverlap {
-    /// From farther away nothing is seen that the own UAV could see, metres.
+    /// Beyond this distance views cannot overlap, metres.
     reach_m: f64,
 }
 
@@ -60,7 +59,7 @@ impl ViewOverlap {
         Self { reach_m: way_m + 2.0 * config.planning_camera().d_max_m }
     }
 
-    /// Whether something may be seen both from `theirs` and from where `own` can be in time.
+    /// Whether a point may be seen both from `theirs` and from a pose that `own` can reach within the horizon.
     pub(super) fn may_see_the_same(&self, own: &Pose, theirs: &Pose) -> bool {
         let gap = |axis: usize| own.p_world[axis] - theirs.p_world[axis];
         gap(0).hypot(gap(1)) <= self.reach_m
@@ -72,15 +71,15 @@ impl ViewOverlap {
 pub(super) struct Level {
     /// X^Δ at this depth.
     pub(super) remaining: Raster,
-    /// The same a block later, before the own look: what every child starts from.
+    /// X^Δ a block later, before the own look; it is the same for all children.
     pub(super) base: Raster,
     /// Cells of `base`.
     pub(super) base_cells: u32,
-    /// Cells of `base` that were hidden of late.
+    /// Cells of `base` that were recently hidden.
     pub(super) base_hidden: u32,
 }
 
-/// What the world takes from and adds to X^Δ in a block, whatever the own UAV does.
+/// What changes X^Δ in a block apart from the own look.
 pub(super) struct Surroundings<'a> {
     /// v_max·T_MPC, metres.
     pub(super) growth_m: f64,
@@ -98,8 +97,8 @@ impl Level {
         Self { remaining: empty.clone(), base: empty, base_cells: 0, base_hidden: 0 }
     }
 
-    /// Lets the block after this depth pass: X^Δ grows by f^t (4.24) and loses X° and what the
-    /// neighbours see. All children share it.
+    /// Computes `base`, the X^Δ after the next block: X^Δ grows by f^t (4.24) and loses X° and what the other
+    /// UAVs see.
     pub(super) fn pass_block(&mut self, depth: usize, around: &Surroundings<'_>) {
         self.remaining.dilate_disc_into(around.growth_m, &mut self.base);
         if let Some(margin) = around.margin {

@@ -1,8 +1,9 @@
-//! What `str4` sees from where, remembered: its search comes by the same places again and again, at the
-//! next decision too while the map stays as it is.
+//! A cache of the views of `str4` by rounded pose: the search passes the same poses many times, and again at
+//! the next decision while the map is the same.
 //!
-//! Places are every third cell, a fraction of a footprint, so that near poses share a view. What is
-//! hidden from a place is found once for all headings, and where a heading looks once for all places.
+//! Positions are rounded to every third cell, a fraction of a footprint, so that near poses share a view. The
+//! viewshed of a position is computed once for all headings, and the footprint of a heading once for all
+//! positions.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -19,26 +20,26 @@ use super::viewshed::{RayCaster, Rays, Viewshed};
 use crate::config::AgentConfig;
 use crate::estimate::oem::Oem;
 
-/// Cells from place to place.
+/// Positions are rounded to multiples of this, cells.
 const SNAP_CELLS: f64 = 3.0;
-/// Headings that are told apart.
+/// Number of rounded headings.
 const HEADINGS: i32 = 1440;
-/// From this many views on, all are forgotten: some 30 MB.
+/// Beyond this number of views the cache is cleared; they take about 30 MB.
 const MOST: usize = 16_000;
 
-/// Where a camera is, rounded: (column, row), also outside the grid, and altitude, millimetres.
+/// The rounded position of a camera: (column, row), also outside the grid, and altitude, millimetres.
 type Eye = ([i32; 2], i32);
-/// How it looks.
+/// The heading of a camera and its height above the plane that it looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Aim {
-    /// In shares of a turn.
+    /// In units of a turn / [`HEADINGS`].
     heading: i32,
-    /// Above what is looked at.
+    /// Above the plane that is looked at.
     altitude_mm: i32,
 }
 
 impl Aim {
-    /// Above the origin.
+    /// The pose with this aim above the origin.
     fn pose(self) -> Pose {
         let yaw_rad = f64::from(self.heading) * TAU / f64::from(HEADINGS);
         Pose::level([0.0, 0.0, f64::from(self.altitude_mm) / 1e3], yaw_rad)
@@ -54,7 +55,7 @@ pub(super) struct RoundedPose {
 }
 
 impl RoundedPose {
-    /// The place of `pose` on `grid`.
+    /// `pose` rounded on `grid`.
     pub(super) fn of(pose: &Pose, grid: &Grid) -> Self {
         let (p, origin) = (pose.p_world, grid.origin());
         let cell = [0, 1].map(|axis| {
@@ -66,7 +67,7 @@ impl RoundedPose {
         Self { cell, heading, altitude_mm: (p[2] * 1e3).round() as i32 }
     }
 
-    /// All of it.
+    /// All fields as one number.
     fn key(&self) -> u128 {
         let Self { cell: [column, row], heading, altitude_mm } = *self;
         let parts = [column, row, heading, altitude_mm].map(|part| u128::from(part as u32));
@@ -78,7 +79,7 @@ impl RoundedPose {
         self.cell
     }
 
-    /// How one looks from there at what is so high, metres.
+    /// The aim from there at a horizontal plane at this height, metres.
     pub(super) fn aim_above(&self, height_m: f64) -> Aim {
         let altitude_mm = self.altitude_mm - (height_m * 1e3).round() as i32;
         Aim { heading: self.heading, altitude_mm }
@@ -86,7 +87,7 @@ impl RoundedPose {
 }
 
 impl Ord for RoundedPose {
-    /// One comparison: the search looks places up more than anything else.
+    /// A single comparison, because lookups of poses dominate the search.
     #[inline]
     fn cmp(&self, other: &Self) -> Ordering {
         self.key().cmp(&other.key())
@@ -105,17 +106,16 @@ pub(super) type Bits = (i32, i32, u64);
 /// F for one heading.
 #[derive(Debug, Clone)]
 pub(super) struct HeadingFootprint {
-    /// Rows, and the columns in each, from the eye on.
+    /// Rows, and the columns in each, relative to the camera.
     runs: Vec<(i32, Range<i32>)>,
-    /// How far it goes, whatever the heading, metres on the ground.
+    /// Upper bound of the distances on the ground, for all headings, metres.
     reach_m: f64,
 }
 
 impl HeadingFootprint {
-    /// What `camera` sees of a plane of cells of `cell_m`, above the middle of one of them, where nothing
-    /// hides it.
+    /// What `camera` sees, without obstacles, of a plane of cells of `cell_m` from above the middle of a cell.
     pub(super) fn of(camera: &CameraModel, aim: Aim, cell_m: f64) -> Self {
-        // The middle of its middle cell is the origin.
+        // The origin is the middle of the middle cell.
         let reach = (camera.d_max_m / cell_m).ceil();
         let ground = Ground { size_m: [(2.0 * reach + 1.0) * cell_m; 2] };
         let window = Grid::covering(&ground, cell_m);
@@ -128,12 +128,12 @@ impl HeadingFootprint {
         Self { runs: footprint.rows().map(run).collect(), reach_m }
     }
 
-    /// Its cells, (column, row) from the eye on.
+    /// Its cells (column, row), relative to the camera.
     fn cells(&self) -> impl Iterator<Item = [i32; 2]> + '_ {
         self.runs.iter().flat_map(|(row, run)| run.clone().map(|column| [column, *row]))
     }
 
-    /// Its cells on `grid` when it is seen from `eye`.
+    /// Its cells on `grid` for a camera above the cell (x, y).
     fn words(&self, [x, y]: [i32; 2], grid: &Grid) -> impl Iterator<Item = Bits> + '_ {
         let (columns, rows) = (grid.columns as i32, 0..grid.rows as i32);
         let inside = self.runs.iter().filter(move |(row, _)| rows.contains(&(y + row)));
@@ -144,7 +144,7 @@ impl HeadingFootprint {
         })
     }
 
-    /// Those of them in one word of a row.
+    /// Its cells in one word of a row of the grid, for a camera above the cell (x, y).
     pub(super) fn word(&self, [x, y]: [i32; 2], row: i32, word: i32) -> u64 {
         let first = self.runs.first().map_or(0, |(row, _)| *row);
         let run = usize::try_from(row - y - first).ok().and_then(|index| self.runs.get(index));
@@ -158,7 +158,7 @@ fn bits_between(start: i32, end: i32, word: i32) -> u64 {
     if low < high { (u64::MAX << low) & (u64::MAX >> (64 - high)) } else { 0 }
 }
 
-/// What is seen from a place: cells, as (word of a raster, bits).
+/// The cells that are seen from a pose, as (word of a raster, bits).
 #[derive(Debug, Clone, Default)]
 pub(super) struct VisibleCells(Vec<(u32, u64)>);
 
@@ -172,7 +172,7 @@ impl VisibleCells {
         let words_per_row = grid.columns.div_ceil(64);
         let index = |row: i32, word: i32| row as u32 * words_per_row + word as u32;
         let some = bits.filter(|&(.., bits)| bits != 0);
-        // Most views need no more.
+        // Enough for most views.
         let mut words = Vec::with_capacity(128);
         words.extend(some.map(|(row, word, bits)| (index(row, word), bits)));
         words.shrink_to_fit();
@@ -205,20 +205,20 @@ impl VisibleCells {
     }
 }
 
-/// The views of one map. What is remembered changes the time a look takes and nothing else.
+/// The cached views of one map. The cache changes the time of a look and no result.
 #[derive(Debug, Clone)]
 pub(super) struct RoundedViews {
     camera: CameraModel,
     grid: Grid,
     caster: RayCaster,
-    /// With the rays that their cells take.
+    /// Footprints with the rays of their cells.
     footprints: BTreeMap<Aim, (HeadingFootprint, Rays)>,
     viewsheds: BTreeMap<Eye, Viewshed>,
     known: BTreeMap<RoundedPose, VisibleCells>,
 }
 
 impl RoundedViews {
-    /// No view yet, on `grid`.
+    /// An empty cache on `grid`.
     pub(super) fn new(grid: Grid, config: &AgentConfig) -> Self {
         Self {
             camera: config.planning_camera(),
@@ -230,7 +230,7 @@ impl RoundedViews {
         }
     }
 
-    /// The next looks are in the world of `oem`.
+    /// Loads `oem` for the next looks.
     pub(super) fn load(&mut self, oem: &Oem) {
         if self.caster.load(oem) || self.known.len() > MOST {
             self.known.clear();
@@ -239,7 +239,7 @@ impl RoundedViews {
         }
     }
 
-    /// What stands in that world.
+    /// The heights of the loaded map.
     pub(super) fn height_map(&self) -> &HeightMap {
         self.caster.height_map()
     }

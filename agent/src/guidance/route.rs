@@ -1,4 +1,4 @@
-//! Baselines without a plan: where `circles` and `lawnmower` fly, whatever is known.
+//! Baselines without planning: `circles` and `lawnmower` do not use the knowledge of the agent.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -11,23 +11,23 @@ use crate::config::{AgentConfig, Criterion};
 
 /// Lanes are at most this far apart, metres: less than a footprint is wide.
 const LANE_M: f64 = 100.0;
-/// Circles keep this far from the border, metres: the camera looks outward, far ahead.
+/// Circles keep this distance from the border, metres, because the camera looks far ahead and outward.
 const BORDER_M: f64 = 160.0;
-/// A waypoint in a building is reached from so many times as far.
+/// A waypoint in a building counts as reached at this multiple of the distance.
 const BUILT_CAPTURES: f64 = 4.0;
 /// A smaller increment is no turn, radians.
 const LEAST_TURN_RAD: f64 = 0.1;
 
-/// A way to fly.
+/// A course to fly.
 #[derive(Debug, Clone, PartialEq)]
 enum Course {
     /// Counter-clockwise about a centre, `world`, metres.
     Circle { centre: [f64; 2], radius_m: f64 },
-    /// From one waypoint to the next and round again, `world`, metres; `next` is flown to.
+    /// From one waypoint to the next and round again, `world`, metres; the UAV flies to `next`.
     Lanes { waypoints: Vec<[f64; 2]>, next: usize },
 }
 
-/// Flies a course by the yaw increments of U that come nearest.
+/// Flies a course by the nearest yaw increments of U.
 #[derive(Debug, Clone)]
 pub(super) struct Route {
     course: Course,
@@ -56,7 +56,7 @@ impl Route {
         })
     }
 
-    /// The next blocks along the course. Only the waypoint that is flown to is remembered.
+    /// The next blocks along the course. Its only state is the waypoint that the UAV flies to.
     pub(super) fn plan(&mut self, input: &PlannerInput<'_>, pose: &Pose) -> Decision {
         self.course.pass(input, pose, self.capture_m);
         let mut ahead = self.course.clone();
@@ -85,8 +85,8 @@ fn nearest(choices: &[(usize, f64)], turn_rad: f64) -> f64 {
 }
 
 impl Course {
-    /// Goes on to the next waypoint if `pose` is within `capture_m` of this one, or farther away if a
-    /// building stands there.
+    /// Advances to the next waypoint if `pose` is within `capture_m` of this one, or within a multiple of that if
+    /// a building stands there.
     fn pass(&mut self, input: &PlannerInput<'_>, pose: &Pose, capture_m: f64) {
         if let Self::Lanes { waypoints, next } = self {
             let [x, y] = waypoints[*next];
@@ -98,7 +98,7 @@ impl Course {
         }
     }
 
-    /// Where to head from `pose`, radians.
+    /// The heading from `pose` along the course, radians.
     fn heading_rad(&self, pose: &Pose) -> f64 {
         let [x, y, _] = pose.p_world;
         match self {
@@ -108,7 +108,7 @@ impl Course {
             }
             Self::Circle { centre, radius_m } => {
                 let (east, north) = (x - centre[0], y - centre[1]);
-                // Along the circle on it, straight to it from afar, straight outward within.
+                // On the circle along it, from outside straight to it, from inside straight outward.
                 let off = (east.hypot(north) - radius_m) / radius_m;
                 north.atan2(east) + FRAC_PI_2 * (1.0 + off.clamp(-1.0, 1.0))
             }
@@ -116,8 +116,8 @@ impl Course {
     }
 }
 
-/// The circle of the sharpest turn, about the middle of this UAV's share of a grid of rows, but not
-/// so near to the border that the camera would mostly look out of the region.
+/// The circle of the sharpest turn, about the middle of this UAV's cell in a grid of rows, with a distance from
+/// the border so that the camera does not mostly look out of the region.
 fn circle(config: &AgentConfig, increments: &[f64], block_m: f64) -> Course {
     let [width, depth] = config.ground.size_m;
     let count = f64::from(config.fleet.count.max(config.id.0.saturating_add(1)));
@@ -130,7 +130,7 @@ fn circle(config: &AgentConfig, increments: &[f64], block_m: f64) -> Course {
     let turns = increments.iter().map(|u| u.abs()).filter(|&u| u > LEAST_TURN_RAD);
     let turn_rad = turns.max_by(f64::total_cmp).unwrap_or(FRAC_PI_2).min(PI);
     let within = |share: f64, side_m: f64| {
-        // Small regions leave no such room: UAVs keep apart all the same.
+        // In small regions the distance is smaller, so that UAVs keep apart.
         let most_m = (0.5 * side_m - BORDER_M).max(0.18 * side_m);
         ((share - 0.5) * side_m).clamp(-most_m, most_m)
     };

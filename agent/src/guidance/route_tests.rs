@@ -14,7 +14,7 @@ fn config(criterion: Criterion, id: u16, count: u16, size_m: [f64; 2]) -> AgentC
     config
 }
 
-/// The poses of 600 s, one per block, as (5.35) has it, from the common start.
+/// The poses of 600 s by (5.35), one per block, from the common start.
 fn flight(config: &AgentConfig) -> Vec<Pose> {
     let scene = Scene::new(config);
     let (mut planner, motion) = (Planner::new(config), Motion::new(config));
@@ -31,7 +31,7 @@ fn flight(config: &AgentConfig) -> Vec<Pose> {
     (0..200).map(fly).collect()
 }
 
-/// Fleets and regions of all sorts.
+/// Fleets and regions of several sizes.
 const CASES: [(u16, [f64; 2]); 5] = [
     (1, [300.0, 300.0]),
     (2, [500.0, 500.0]),
@@ -74,7 +74,7 @@ fn circles_are_flown_round_and_apart() {
     }
 }
 
-/// All ground that is ever in a footprint is nearly all ground.
+/// The union of all footprints is nearly all ground.
 #[test]
 fn a_lawnmower_visits_everything() {
     for (count, size_m) in CASES {

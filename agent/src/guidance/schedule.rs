@@ -1,19 +1,18 @@
-//! Who plans when, and with which plans of the others (thesis §5.3.2).
+//! When each UAV plans, and with which plans of the other UAVs (thesis §5.3.2).
 //!
-//! A decision is due every T_MPC. Within one, each UAV plans once, or twice with a loopback, and
-//! announces each result. The sequential schedules wait for the plans they build on, but not for
-//! ever: UAV i of N gives up waiting in pass p at a share (p·N + i + 1)/(passes·N) of
-//! `plan_timeout_s` into the decision. These deadlines come in the order of planning, so that the
-//! order holds even when nobody is heard, and a plan that is a slot late still finds its reader
-//! waiting. Whoever was given up on is not waited for again until heard from: a dead neighbour costs
-//! one delay, not one per decision.
+//! A decision is due every T_MPC. Within it each UAV plans once, or twice with a loopback, and sends each plan.
+//! The sequential schedules wait for the plans that a pass builds on, up to a deadline: UAV i of N stops waiting
+//! in pass p at a share (p·N + i + 1)/(passes·N) of `plan_timeout_s` after the start of the decision. The
+//! deadlines have the order of planning, so the order holds even if no plan arrives, and a plan that is late by
+//! one slot still arrives in time. A UAV does not wait again for another UAV that missed a deadline until it
+//! receives a plan of it: a UAV that failed causes one delay, not one per decision.
 //!
-//! Plans of `str4` reach so far that what is left of those of the last decision serves as the first
-//! pass of the loopback: everybody plans once, says it once and accounts for everybody.
+//! The horizon of `str4` is so long that the rest of the plans of the last decision serves as the first pass of
+//! the loopback: each UAV plans once, sends one plan and accounts for all other UAVs.
 //!
-//! A ground station hears plans and makes none, and no agent waits for one of its.
+//! A ground station receives plans and makes none, and no agent waits for a plan of it.
 //!
-//! [`Scheduler`] has no clock: it is told the time.
+//! [`Scheduler`] has no clock: the time is an argument.
 
 use csat_proto::camera::Pose;
 use csat_proto::ids::AgentId;
@@ -26,20 +25,20 @@ use crate::config::{AgentConfig, Criterion, Schedule};
 /// A planning pass that may begin now.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pass {
-    /// The step of the decision, for the announcement.
+    /// The step of the decision, which the plan states.
     pub step: Step,
     /// 0, or 1 in the loopback.
     pub pass: u8,
-    /// The neighbours to account for, by increasing index.
+    /// The other UAVs to account for, by increasing index.
     pub neighbours: Vec<AgentId>,
     /// Their poses at the ends of the N_MPC blocks from this decision on, in the same order.
     pub poses: Vec<Vec<Pose>>,
 }
 
-/// Why a plan was not taken over.
+/// Why a plan was rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PlanError {
-    /// Not a neighbour's index.
+    /// The sender is not another UAV.
     #[error("plan of agent {from}, which is not another UAV than {own} in a fleet of {count}")]
     NotANeighbour {
         /// The sender.
@@ -49,7 +48,7 @@ pub enum PlanError {
         /// N^u.
         count: u16,
     },
-    /// No decision is made then, or that one is not yet due.
+    /// There is no decision at its step, or the decision is too far ahead.
     #[error("plan for step {got}: decisions are every {steps} steps and step {max} is the latest")]
     NoSuchDecision {
         /// The plan's step.
@@ -67,35 +66,35 @@ pub enum PlanError {
         /// Passes of the schedule.
         passes: u8,
     },
-    /// No pose, or one that is not finite, or more than any horizon holds.
+    /// No pose, a pose that is not finite, or more poses than the longest horizon.
     #[error("plan of {got} poses: expected 1 to 255 finite ones")]
     Poses {
-        /// How many there are.
+        /// Number of poses.
         got: usize,
     },
 }
 
-/// A far-sighted plan that was heard more decisions ago than this counts no more: whoever is not heard
-/// does not tell what it sees, so to leave ground to it for a minute is to leave it unexplored.
+/// A far-sighted plan counts for this many decisions. A UAV whose messages do not arrive does not tell what it
+/// sees either, so ground that is left to it for a minute stays unexplored.
 const FAR_SIGHTED_DECISIONS: u32 = 2;
 
-/// What is known of one neighbour.
+/// The plans of another UAV.
 #[derive(Debug, Clone, Default)]
 struct Neighbour {
     /// Its last plan.
     latest: Option<Plan>,
     /// Its last plan of an earlier decision than `latest`.
     earlier: Option<Plan>,
-    /// Given up on, and not heard from since.
+    /// It missed a deadline, and no plan of it arrived since.
     silent: bool,
 }
 
-/// Where the current decision stands.
+/// The stage of the current decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum DecisionStage {
-    /// Nothing to plan until the next instant.
+    /// No plan is due until the next decision.
     Idle,
-    /// This pass is to be planned, as soon as nothing is waited for.
+    /// This pass is due, once all plans that it waits for have arrived.
     Pass(u8),
 }
 
@@ -110,21 +109,21 @@ pub struct Scheduler {
     steps_per_block: u32,
     period_s: f64,
     timeout_s: f64,
-    /// Whether plans reach so far that those of the last decision serve as a first pass.
+    /// Whether the horizon is so long that the plans of the last decision serve as a first pass.
     far_sighted: bool,
     passes: u8,
     /// By index; the own entry stays empty.
     fleet: Vec<Neighbour>,
     start: SimTime,
-    /// Of the current decision.
+    /// The step of the current decision.
     step: Step,
-    /// Of the last frame: an agent that begins in mid-mission has no decision yet.
+    /// The step of the last frame. An agent that starts during a mission has no decision yet.
     frame: Step,
     stage: DecisionStage,
 }
 
 impl Scheduler {
-    /// The schedule of `config.guidance`, before its first instant.
+    /// The schedule of `config.guidance`, before its first decision.
     pub fn new(config: &AgentConfig) -> Self {
         let guidance = &config.guidance;
         let uavs = config.fleet.count;
@@ -140,7 +139,7 @@ impl Scheduler {
             blocks: guidance.blocks(),
             steps_per_block: (guidance.period_s / config.period_s).round().max(1.0) as u32,
             period_s: config.period_s,
-            // A decision that outlived its block would never be flown.
+            // A decision that takes longer than its block would never be flown.
             timeout_s: guidance.plan_timeout_s.clamp(0.0, 0.99 * guidance.period_s),
             far_sighted,
             passes: if loopback && !far_sighted { 2 } else { 1 },
@@ -157,7 +156,7 @@ impl Scheduler {
         step.0.is_multiple_of(self.steps_per_block)
     }
 
-    /// A frame came; every T_MPC a decision begins with it.
+    /// A frame arrived; every T_MPC a decision begins with it.
     pub fn on_frame(&mut self, now: SimTime, step: Step) {
         self.frame = step;
         if self.own < self.fleet.len() && self.decides_at(step) {
@@ -165,17 +164,17 @@ impl Scheduler {
         }
     }
 
-    /// A decision instant has begun. What is left of the decision before is dropped.
+    /// Begins a decision and drops the rest of the decision before.
     pub fn on_instant(&mut self, now: SimTime) {
         self.start = now;
         self.step = Step((now.seconds() / self.period_s).round() as u32);
         self.stage = DecisionStage::Pass(0);
     }
 
-    /// A neighbour's plan arrived; of any decision, in any order, any number of times.
+    /// A plan of another UAV arrived. Plans may be of any decision, arrive in any order, and be repeated.
     ///
     /// # Errors
-    /// Why it was not taken over; then nothing has changed.
+    /// Why it was rejected; then nothing has changed.
     pub fn on_plan(&mut self, from: AgentId, plan: &Plan) -> Result<(), PlanError> {
         self.check(from, plan)?;
         let neighbour = &mut self.fleet[usize::from(from.0)];
@@ -195,7 +194,7 @@ impl Scheduler {
         Ok(())
     }
 
-    /// A plan is the last thing to trust blindly: one from the far future would outlast all others.
+    /// Checks a plan. A plan from the far future would otherwise displace all later plans.
     fn check(&self, from: AgentId, plan: &Plan) -> Result<(), PlanError> {
         let index = usize::from(from.0);
         if index == self.own || index >= self.fleet.len() {
@@ -219,8 +218,8 @@ impl Scheduler {
         Ok(())
     }
 
-    /// The own plan of a pass was made and announced. True when it was the last pass: its first
-    /// increment is the command. A plan of another pass than the current one changes nothing.
+    /// The own plan of a pass was made and sent. True when it was the last pass, whose first increment is the
+    /// command. A plan of a pass other than the current one changes nothing.
     pub fn on_own_plan(&mut self, plan: &Plan) -> bool {
         if plan.step != self.step || self.stage != DecisionStage::Pass(plan.pass) {
             return false;
@@ -230,7 +229,7 @@ impl Scheduler {
         last
     }
 
-    /// Time has come to `now`: past the deadline, those still waited for are given up on.
+    /// The time is `now`: at the deadline the agent stops waiting for the plans that did not arrive.
     pub fn on_timeout(&mut self, now: SimTime) {
         if self.next_deadline().is_some_and(|deadline| deadline <= now) {
             let awaited: Vec<usize> = self.awaited().collect();
@@ -238,8 +237,7 @@ impl Scheduler {
         }
     }
 
-    /// When to call [`Self::on_timeout`]: the end of the current wait; `None` when nothing is waited
-    /// for.
+    /// When to call [`Self::on_timeout`]: the deadline of the current wait; `None` when it waits for no plan.
     pub fn next_deadline(&self) -> Option<SimTime> {
         let DecisionStage::Pass(pass) = self.stage else { return None };
         self.awaited().next()?;
@@ -266,7 +264,7 @@ impl Scheduler {
         Some(Pass { step: self.step, pass, neighbours, poses })
     }
 
-    /// Whose plans the current pass waits for: those it builds on that have not said theirs.
+    /// The UAVs whose plans the current pass builds on and waits for.
     fn awaited(&self) -> impl Iterator<Item = usize> + '_ {
         let pass = match (self.stage, self.schedule) {
             (DecisionStage::Idle, _) | (_, Schedule::Asynchronous) => None,
@@ -275,7 +273,7 @@ impl Scheduler {
         pass.into_iter()
             .flat_map(|pass| self.built_on(pass).map(move |index| (pass, index)))
             .filter_map(|(pass, index)| {
-                // In the loopback, those before this one have planned again, those after it not yet.
+                // In the loopback, UAVs before this one have planned again, UAVs after it have not yet.
                 let needed = if index < self.own { pass } else { 0 };
                 let neighbour = &self.fleet[index];
                 let said = neighbour.latest.as_ref().map(|plan| (plan.step, plan.pass));
@@ -284,19 +282,19 @@ impl Scheduler {
             })
     }
 
-    /// Whose plans of this decision a pass builds on: in the first sequential one those before this
+    /// The UAVs on whose plans of this decision a pass builds: in the first sequential pass those before this
     /// agent.
     fn built_on(&self, pass: u8) -> impl Iterator<Item = usize> + use<> {
         self.others(self.reach(pass))
     }
 
-    /// One past the last of them.
+    /// One past the last UAV on whose plans a pass builds.
     fn reach(&self, pass: u8) -> usize {
         let all = pass > 0 || self.schedule == Schedule::Asynchronous;
         if all { self.fleet.len() } else { self.own }
     }
 
-    /// Whom a pass accounts for: far-sighted plans of the last decision tell of those after it, too.
+    /// The UAVs that a pass accounts for: with far-sighted plans of the last decision also those after it.
     fn accounted_for(&self, pass: u8) -> impl Iterator<Item = usize> + use<> {
         self.others(if self.far_sighted { self.fleet.len() } else { self.reach(pass) })
     }
@@ -306,8 +304,8 @@ impl Scheduler {
         (0..end).filter(move |&index| index != own)
     }
 
-    /// The newest usable plan of a neighbour: none from after this decision, and in the asynchronous
-    /// schedule none from this decision, so that it does not matter who is scheduled first.
+    /// The newest usable plan of another UAV: none of a later decision, and in the asynchronous schedule none of
+    /// this decision, so that the order of the agents within an instant does not matter.
     fn known_plan(&self, index: usize) -> Option<&Plan> {
         let neighbour = &self.fleet[index];
         let lasts = self.steps_per_block.saturating_mul(FAR_SIGHTED_DECISIONS);

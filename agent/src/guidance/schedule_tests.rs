@@ -12,7 +12,7 @@ fn config(id: u16, count: u16, schedule: Schedule) -> AgentConfig {
     config
 }
 
-/// A pose that tells who planned it, when and in which pass.
+/// A pose that encodes the agent, the step, the pass and the block of its plan.
 fn pose(agent: u16, step: Step, pass: u8, block: u32) -> Pose {
     let x = f64::from(agent) * 1000.0 + f64::from(pass) * 100.0;
     Pose::level([x, f64::from(step.0 + block * 6), 52.0], 0.0)
@@ -22,10 +22,10 @@ fn plan(agent: u16, step: Step, pass: u8) -> Plan {
     Plan { step, pass, poses: (1..3).map(|block| pose(agent, step, pass, block)).collect() }
 }
 
-/// One planning event: when, who, which pass, accounting for whom.
+/// One planning event: time, agent, pass, and the agents it accounts for.
 type Event = (SimTime, u16, u8, Vec<u16>);
 
-/// Runs one decision of a fleet; `alive` plan and hear each other after `delay_s`.
+/// Runs one decision of a fleet; the agents in `alive` plan, and their plans arrive after `delay_s`.
 fn run(
     fleet: &mut [Scheduler],
     alive: &[u16],
@@ -119,7 +119,7 @@ fn the_loopback_waits_for_the_right_passes() {
     assert_eq!((middle.ready(), middle.next_deadline()), (None, None));
 }
 
-/// Plans of `str4` reach so far that those of the last decision serve as a first pass.
+/// The horizon of `str4` is so long that the plans of the last decision serve as a first pass.
 #[test]
 fn far_sighted_plans_need_one_pass_and_account_for_everybody() {
     for schedule in [Schedule::Sequential, Schedule::SequentialLoopback] {
@@ -135,7 +135,7 @@ fn far_sighted_plans_need_one_pass_and_account_for_everybody() {
         let everybody = [(0, 0, vec![1, 2]), (1, 0, vec![0, 2]), (2, 0, vec![0, 1])];
         assert_eq!(order(&events), everybody);
         assert_eq!(commanded, [0, 1, 2]);
-        // Those before have planned again, of those after the second block is the current one.
+        // UAVs before this one have planned again; of plans of UAVs after it the second block is the current one.
         fleet[1].on_instant(SimTime::from_seconds(6.0));
         assert_eq!(fleet[1].ready(), None, "it waits for those before");
         fleet[1].on_plan(AgentId(0), &plan(0, Step(12), 0)).unwrap();
@@ -145,7 +145,7 @@ fn far_sighted_plans_need_one_pass_and_account_for_everybody() {
     }
 }
 
-/// What a silent neighbour sees is not told: far-sighted plans must not count on it for long.
+/// A silent UAV does not tell what it sees: its far-sighted plans count for a short time only.
 #[test]
 fn far_sighted_plans_of_the_silent_count_for_two_decisions() {
     let mut config = config(1, 2, Schedule::SequentialLoopback);
@@ -167,12 +167,12 @@ fn asynchronous_plans_at_once_with_the_plans_before() {
     let (events, _) = run(&mut fleet, &[0, 1, 2], SimTime(0), 0.01);
     assert_eq!(order(&events), [(0, 0, vec![]), (1, 0, vec![]), (2, 0, vec![])]);
     let start = SimTime::from_seconds(3.0);
-    // A plan of this very decision is there already, but it must not matter who comes first.
+    // A plan of this decision has arrived already; the order of the agents must not matter.
     fleet[0].on_plan(AgentId(2), &plan(2, Step(6), 0)).unwrap();
     fleet[0].on_instant(start);
     let pass = fleet[0].ready().unwrap();
     assert_eq!(pass.neighbours, [AgentId(1), AgentId(2)]);
-    // One block of the old plan is over; after the other it goes on straight, 15 m a block.
+    // One block of the old plan is over; after the other block it goes straight on, 15 m per block.
     let old = plan(2, Step(0), 0).poses[1];
     let on = Pose::level([old.p_world[0] + 15.0, old.p_world[1], old.p_world[2]], 0.0);
     assert_eq!(pass.poses[1], [old, on]);
@@ -199,7 +199,7 @@ fn a_silent_neighbour_costs_one_delay_and_nobody_misses_the_decision() {
             let nobody_waits = schedule == Schedule::Sequential && dead == 2;
             assert_eq!(last_plan_s[0] > 0.1, !nobody_waits, "{last_plan_s:?}");
             assert!(last_plan_s[1] < 0.05 && last_plan_s[2] < 0.05, "{last_plan_s:?}");
-            // Back again: from then on it is waited for.
+            // It is back: from now on the others wait for it.
             run(&mut fleet, &[0, 1, 2], SimTime::from_seconds(9.0), 0.01);
             let (events, _) = run(&mut fleet, &[0, 1, 2], SimTime::from_seconds(12.0), 0.01);
             assert_eq!(order(&events)[2], (2, 0, vec![0, 1]));
@@ -207,7 +207,7 @@ fn a_silent_neighbour_costs_one_delay_and_nobody_misses_the_decision() {
     }
 }
 
-/// With links that carry nothing the deadlines alone keep the order.
+/// With links that lose all messages the deadlines alone keep the order.
 #[test]
 fn nobody_heard_still_means_in_order() {
     let mut fleet = fleet(Schedule::SequentialLoopback);
@@ -243,7 +243,7 @@ fn a_late_plan_only_updates_what_is_known() {
     last.on_own_plan(&plan(1, Step(0), 0));
     last.on_instant(SimTime::from_seconds(3.0));
     assert!(last.ready().is_some(), "given up on, so not waited for");
-    // The plan of decision 0 arrives in decision 6: its sender lives, so it is waited for again.
+    // The plan of decision 0 arrives in decision 6: its sender is alive, so the agent waits for it again.
     last.on_plan(AgentId(0), &plan(0, Step(0), 0)).unwrap();
     assert_eq!(last.ready(), None);
     last.on_timeout(SimTime::from_seconds(3.4));
@@ -253,11 +253,11 @@ fn a_late_plan_only_updates_what_is_known() {
         plan(0, Step(0), 0).poses[1],
         "its second block is the current one"
     );
-    // Newer, older, repeated: the newest counts.
+    // Newer, older and repeated plans: the newest one counts.
     last.on_plan(AgentId(0), &plan(0, Step(6), 0)).unwrap();
     last.on_plan(AgentId(0), &plan(0, Step(0), 0)).unwrap();
     assert_eq!(last.ready().unwrap().poses[0], plan(0, Step(6), 0).poses);
-    // Early: for the next decision, and of no use before.
+    // An early plan is for the next decision and is not used before.
     last.on_plan(AgentId(0), &plan(0, Step(12), 0)).unwrap();
     assert_eq!(last.ready().unwrap().poses[0], plan(0, Step(6), 0).poses);
     last.on_own_plan(&plan(1, Step(6), 0));

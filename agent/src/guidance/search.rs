@@ -25,18 +25,18 @@ pub(super) struct Search<'a> {
     pub(super) visibility: &'a mut VisibilityModel,
     pub(super) motion: Motion,
     pub(super) weights: Weights,
-    /// U, radians, in the order of preference among equals.
+    /// U, radians, in the order of preference among increments of equal cost.
     pub(super) increments: &'a [f64],
     pub(super) around: Surroundings<'a>,
     pub(super) input: &'a PlannerInput<'a>,
-    /// Those in the world of the OEM, and what X^Δ may grow to.
+    /// The cached views of the loaded OEM, and the cells that X^Δ may cover.
     pub(super) view_cache: (&'a ViewCache, &'a Raster),
     /// How blocks after the first are chosen.
     pub(super) later: BlockKind,
     /// The choices from the root to the current node.
     pub(super) trail: Vec<Choice>,
     pub(super) best: Option<Best>,
-    /// Poses looked from, neighbours' not counted.
+    /// Number of own poses whose views were predicted.
     pub(super) nodes: u32,
 }
 
@@ -74,7 +74,7 @@ impl Search<'_> {
             distance_m: 0.0,
             hidden_m2: f64::from(level.base_hidden - seen_hidden) * cell_m2,
         };
-        // The distance is the dear term and never negative: it need not be known to lose.
+        // The distance takes most time and is not negative: a candidate may lose without it.
         let best_cost = self.best.as_ref().map_or(f64::INFINITY, |best| best.cost);
         if self.weights.cost(&terms) >= best_cost {
             return;

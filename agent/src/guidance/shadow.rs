@@ -1,11 +1,11 @@
-//! Predicted shadows H^OEM(x^u) (4.41)-(4.42) without a polygon in sight.
+//! Predicted shadows H^OEM(x^u) (4.41)-(4.42), computed without polygons.
 //!
 //! A box of height h seen from height z hides, on the ground, the union of its base scaled about the
-//! point below the camera (the *foot*) by every factor from 1 to z/(z-h): that union *is* the convex
-//! hull of the eight projected vertices. So along any ground ray from the foot that crosses the base
-//! between `enter` and `leave`, it hides exactly [enter, leave·z/(z-h)]; everything beyond `enter`
-//! when h ≥ z. Rays are laid out by slope, not by angle, so that a cell finds its ray and its place
-//! on it with one division and no trigonometry, and the place is exact: only the slope is rounded.
+//! nadir (the point below the camera) by every factor from 1 to z/(z-h): that union is the convex hull of the
+//! eight projected vertices. So along any ground ray from the nadir that crosses the base between `enter` and
+//! `leave`, the box hides exactly [enter, leave·z/(z-h)], and everything beyond `enter` when h ≥ z. Rays are
+//! spaced by slope, not by angle, so that the ray of a cell and the position on it take one division and no
+//! trigonometry. The position is exact: only the slope is rounded.
 
 use csat_proto::oem::OemCell;
 use csat_proto::raster::Grid;
@@ -24,7 +24,7 @@ pub(super) struct OccupiedCells {
 }
 
 impl OccupiedCells {
-    /// Replaces the towers by the boxes (4.41) of `oem`.
+    /// Replaces the cells by the boxes (4.41) of `oem`.
     pub(super) fn load(&mut self, oem: &Oem) {
         let grid = oem.grid();
         (self.cell_m, self.origin) = (grid.cell_m, grid.origin());
@@ -42,7 +42,7 @@ impl OccupiedCells {
         self.row_starts.push(self.occupied.len());
     }
 
-    /// The towers of the rows within `reach_m` of `y`.
+    /// The occupied cells of the rows within `reach_m` of `y`.
     fn near_rows(&self, y: f64, reach_m: f64) -> &[[f64; 3]] {
         let Some(rows) = self.row_starts.len().checked_sub(1) else { return &[] };
         let row = |y: f64| ((y - self.origin[1]) / self.cell_m).clamp(0.0, rows as f64);
@@ -63,15 +63,14 @@ pub(super) struct ShadowCaster {
     words: usize,
     bits: Vec<u64>,
     nadir: [f64; 2],
-    /// The foot's cell, also outside the grid.
+    /// The cell of the nadir, also outside the grid.
     nadir_cell: [i64; 2],
-    /// Where that cell's centre is, seen from the foot.
+    /// The centre of that cell relative to the nadir.
     phase: [f64; 2],
 }
 
 impl ShadowCaster {
-    /// A caster for cells of `grid` that look no farther than `reach_m`. Rays are at most one cell
-    /// apart there.
+    /// A caster on `grid` for cameras with a range of `reach_m`. At that distance rays are at most one cell apart.
     pub(super) fn new(grid: &Grid, reach_m: f64) -> Self {
         let cells = (reach_m / grid.cell_m).ceil().max(1.0) as usize;
         let (rays, words) = (2 * cells, (cells + 2).div_ceil(64));
@@ -88,8 +87,8 @@ impl ShadowCaster {
         }
     }
 
-    /// Forgets the last pose and casts the shadows for a camera at `p_world`. Only shadows that may
-    /// fall into `footprint` (a convex ring, metres) are cast.
+    /// Replaces the shadows by those for a camera at `p_world`. Only shadows that may fall into `footprint` (a
+    /// convex ring, metres) are cast.
     pub(super) fn cast(
         &mut self,
         occupied: &OccupiedCells,
@@ -124,7 +123,7 @@ impl ShadowCaster {
         }
     }
 
-    /// Marks a box on the rays of one quadrant: `along` its axis and `across` it, from the foot.
+    /// Marks a box on the rays of one quadrant; `along` its axis and `across` it are relative to the nadir.
     fn mark(&mut self, quadrant: Quadrant, along: [f64; 2], across: [f64; 2], stretch: f64) {
         let (near, far) = (along[0].max(1e-9), along[1]);
         if far <= near {
@@ -142,7 +141,7 @@ impl ShadowCaster {
             let (a, b) = (across[0] * per_slope, across[1] * per_slope);
             let (enter, leave) = (near.max(a.min(b)), far.min(a.max(b)));
             let first_bin = ceil((enter - phase) * per_cell);
-            // One past the last cell; a cell exactly at the end of the shadow is not worth a test.
+            // One past the last cell; a cell exactly at the end of the shadow counts as visible.
             let end_bin = ceil((leave * stretch - phase) * per_cell).min(self.words * 64);
             if enter <= leave && first_bin < end_bin {
                 let start = (quadrant as usize * self.rays + ray) * self.words;
@@ -151,9 +150,8 @@ impl ShadowCaster {
         }
     }
 
-    /// Those of `bits`, cells of one word of one row, that are hidden from the last pose. Defined
-    /// within the footprint given to [`Self::cast`]; exact but for cells whose border the shadow's
-    /// border crosses.
+    /// The cells of `bits`, in one word of one row, that are hidden from the last pose. The result is valid
+    /// within the footprint of [`Self::cast`], and exact except for cells that the border of a shadow crosses.
     pub(super) fn hidden_bits(&self, row: u32, word: usize, bits: u64) -> u64 {
         let rows_away = i64::from(row) - self.nadir_cell[1];
         let y = rows_away as f64 * self.cell_m + self.phase[1];
@@ -174,7 +172,7 @@ impl ShadowCaster {
                 (quadrant, y / x.abs(), columns_away.unsigned_abs())
             };
             let ray = (((slope + 1.0) * half_rays) as usize).min(self.rays - 1);
-            // Cells past the rays' end lie beyond d_max, in no footprint.
+            // Cells beyond the end of the rays are beyond d_max, so in no footprint.
             let bin = (bin as usize).min(self.words * 64 - 1);
             let start = (quadrant as usize * self.rays + ray) * self.words;
             hidden |= (self.bits[start + bin / 64] >> (bin % 64) & 1) << bit;
@@ -183,7 +181,7 @@ impl ShadowCaster {
     }
 }
 
-/// The four quadrants of directions about the foot, each within 45° of its axis.
+/// The four quadrants of directions about the nadir, each within 45° of its axis.
 #[derive(Debug, Clone, Copy)]
 enum Quadrant {
     East,
@@ -202,7 +200,7 @@ impl Quadrant {
     }
 }
 
-/// ⌈x⌉, but 0 for what is below: `f64::ceil` is a call on targets without an instruction for it.
+/// ⌈x⌉, but 0 for negative x. `f64::ceil` is a function call on targets without an instruction for it.
 fn ceil(x: f64) -> usize {
     let whole = x as usize;
     whole.saturating_add(usize::from(x > whole as f64))
@@ -217,7 +215,7 @@ fn set_bits(words: &mut [u64], first: usize, last: usize) {
     }
 }
 
-/// The directions from the foot to a convex ring that does not contain it.
+/// The directions from the nadir to a convex ring that does not contain it.
 #[derive(Debug)]
 struct Fan {
     right: [f64; 2],
@@ -225,7 +223,7 @@ struct Fan {
 }
 
 impl Fan {
-    /// `None` when the foot lies inside the ring, so that every direction counts.
+    /// `None` when the nadir is inside the ring, so that every direction counts.
     fn around(nadir: [f64; 2], ring: &[[f64; 2]]) -> Option<Self> {
         let mut directions = ring.iter().filter_map(|p| {
             let d = [p[0] - nadir[0], p[1] - nadir[1]];
@@ -235,7 +233,7 @@ impl Fan {
         let first = directions.next()?;
         let mut fan = Self { right: first, left: first };
         for d in directions {
-            // Inside, the ring runs all around the foot: some corner is beyond both sides.
+            // If the nadir is inside, the ring surrounds it: a corner is beyond both sides.
             match (cross(fan.right, d) < 0.0, cross(d, fan.left) < 0.0) {
                 (true, true) => return None,
                 (true, false) => fan.right = d,
@@ -249,7 +247,7 @@ impl Fan {
         Some(fan)
     }
 
-    /// Whether a disc about `d`, seen from the foot, may touch the fan.
+    /// Whether a disc about `d`, relative to the nadir, may touch the fan.
     fn meets(&self, d: [f64; 2], radius: f64) -> bool {
         cross(self.right, d) >= -radius && cross(d, self.left) >= -radius
     }
@@ -260,7 +258,7 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// Whether the ground point `p` is hidden from a camera at `p_world` by a box of the OEM (4.42): the
-/// cells under the line of sight, one after the other. For single points far from any footprint.
+/// cells under the line of sight, one after the other. It is for single points, also outside footprints.
 pub(super) fn hides_point(oem: &Oem, p_world: [f64; 3], p: [f64; 2]) -> bool {
     let (grid, z) = (oem.grid(), p_world[2]);
     let (origin, cell) = (grid.origin(), grid.cell_m);
@@ -269,7 +267,7 @@ pub(super) fn hides_point(oem: &Oem, p_world: [f64; 3], p: [f64; 2]) -> bool {
     let delta = [to[0] - from[0], to[1] - from[1]];
     let mut at = from.map(|v| v.floor() as i64);
     let step = delta.map(|d| if d < 0.0 { -1 } else { 1 });
-    // The share of the way at which the next column and the next row begin, and what one takes.
+    // `next`: the share of the way at which the next column and row begin; `share`: the length of one.
     let share = delta.map(|d| if d == 0.0 { f64::INFINITY } else { 1.0 / d.abs() });
     let mut next = [0, 1].map(|axis| {
         let border = at[axis] as f64 + if step[axis] > 0 { 1.0 } else { 0.0 };

@@ -62,8 +62,8 @@ fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     ring
 }
 
-/// (4.42) as written: per box the convex hull of the lines through the optical centre and the eight
-/// vertices, cut with the ground.
+/// (4.42) by its definition: per box the convex hull of the points where the lines through the optical centre
+/// and the eight vertices meet the ground.
 fn hulls(oem: &Oem, eye: [f64; 3]) -> Vec<Vec<[f64; 2]>> {
     let (grid, mut all) = (oem.grid(), Vec::new());
     for (row, column) in (0..grid.rows).flat_map(|r| (0..grid.columns).map(move |c| (r, c))) {
@@ -89,7 +89,7 @@ fn in_ring(ring: &[[f64; 2]], p: [f64; 2]) -> bool {
     })
 }
 
-/// Whether all cells about (column, row) agree with it: it is then farther than a cell from a border.
+/// Whether all cells about (column, row) are equal to it, so that it is more than a cell from a border.
 fn is_interior(set: &Raster, column: u32, row: u32) -> bool {
     let around = |v: u32, max: u32| v.saturating_sub(1)..(v + 2).min(max);
     around(row, set.grid().rows)
@@ -170,7 +170,7 @@ fn what_reaches_the_camera_hides_to_the_horizon() {
     assert!(!hides(&caster, column, row), "in front");
 }
 
-/// A camera that looks straight down sees all around its foot, and so do its shadows.
+/// For a camera that looks straight down, shadows lie all around the nadir.
 #[test]
 fn looking_down_there_is_no_fan() {
     let square = [[-10.0, -10.0], [10.0, -10.0], [10.0, 10.0], [-10.0, 10.0]];

@@ -13,7 +13,7 @@ pub(super) fn default_config() -> AgentConfig {
 pub(super) const CRITERIA: [Criterion; 4] =
     [Criterion::Str1, Criterion::Str2NoHidden, Criterion::Str2, Criterion::Str3];
 
-/// Left or right, left first: a tie goes left.
+/// Two increments, left and right; left comes first, so it wins at equal cost.
 fn left_or_right(criterion: Criterion, kappa: f64) -> AgentConfig {
     let mut config = default_config();
     config.guidance.criterion = criterion;
@@ -23,7 +23,7 @@ fn left_or_right(criterion: Criterion, kappa: f64) -> AgentConfig {
     config
 }
 
-/// Degrees.
+/// The left increment, degrees.
 const LEFT: f64 = 60.0;
 const RIGHT: f64 = -60.0;
 
@@ -32,7 +32,7 @@ fn turn(decision: &Decision) -> f64 {
     decision.increments_rad[0].to_degrees().round()
 }
 
-/// Owned knowledge.
+/// The owned data of a planner input.
 pub(super) struct Scene {
     pub(super) wanted: Raster,
     pub(super) margin: Raster,
@@ -76,7 +76,7 @@ pub(super) fn fill(raster: &mut Raster, x: [f64; 2], y: [f64; 2]) {
     raster.fill_rings(&[[[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]]]);
 }
 
-/// From the middle, heading east: what lies north is left, what lies south is right.
+/// In the middle, heading east: north is left, south is right.
 fn middle() -> Pose {
     Pose::level([0.0, 0.0, 52.0], 0.0)
 }
@@ -99,7 +99,7 @@ fn a_wall_turns_str3_away_and_leaves_the_others_cold() {
         let config = left_or_right(criterion, 0.0);
         let mut scene = both_sides(&config);
         assert_eq!(first_turn(&config, &scene, &[]), LEFT, "a tie");
-        // A wall 40 m high across the way to the left, y 55..60.
+        // A wall 40 m high to the left, y 55..60.
         (45..90).for_each(|column| scene.occupy(column, 61, 400));
         let expected = if criterion == Criterion::Str3 { RIGHT } else { LEFT };
         assert_eq!(first_turn(&config, &scene, &[]), expected, "{criterion:?}");
@@ -155,7 +155,7 @@ fn neighbours_repel() {
     }
 }
 
-/// Agents that know the same decide the same, whether or not they look together.
+/// Agents with the same knowledge decide the same, with a shared view cache and without.
 #[test]
 fn shared_looks_change_nothing_and_save_looking_twice() {
     for criterion in CRITERIA {
@@ -178,7 +178,7 @@ fn shared_looks_change_nothing_and_save_looking_twice() {
     }
 }
 
-/// In str2 a neighbour does not see what is hidden to it (5.19).
+/// In str2 another UAV does not see ground that is hidden to it (5.19).
 #[test]
 fn what_is_hidden_to_a_neighbour_is_left_to_others() {
     let config = left_or_right(Criterion::Str2, 0.0);
@@ -193,7 +193,7 @@ fn what_is_hidden_to_a_neighbour_is_left_to_others() {
     assert_eq!(turn(&planner.plan(&scene.input(), &middle(), &taken)), RIGHT);
 }
 
-/// All candidates see nothing: the distance decides, also when no footprint meets the region.
+/// No candidate sees anything: the distance decides, also when no footprint meets the region.
 #[test]
 fn who_sees_nothing_flies_to_the_nearest_remains() {
     let mut config = default_config();
@@ -226,7 +226,7 @@ fn predicted_hidden_ground_lies_in_the_footprint() {
     let mut common = hidden.clone();
     common.intersect_with(&planner.footprint(&middle()));
     assert_eq!(common, hidden);
-    // The base widened to the roof's shadow: a trapezium from x 100 to 105·52/32.
+    // The base and the shadow of the roof: a trapezium from x 100 to 105·52/32.
     let stretch = 52.0 / 32.0;
     let expected = (105.0 * stretch - 100.0) * 25.0 * (1.0 + stretch * 105.0 / 100.0);
     assert!((hidden.area_m2() / expected - 1.0).abs() < 0.02, "{} {expected}", hidden.area_m2());

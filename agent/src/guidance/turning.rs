@@ -1,5 +1,5 @@
-//! Where a UAV is after a block that begins with a turn, more closely than (5.35): its yaw follows a
-//! command as a second-order response (thesis figure 5.3), so in the turn it drifts to the outside.
+//! A model of motion that is more exact than (5.35): the yaw follows a command as a second-order response
+//! (thesis figure 5.3), so the UAV drifts to the outside of a turn.
 
 use csat_proto::camera::Pose;
 
@@ -12,11 +12,11 @@ const SETTLING: f64 = 2.8998;
 /// Integration step, seconds.
 const STEP_S: f64 = 0.05;
 
-/// The motion of a UAV that flew straight before, block by block.
+/// The motion of a UAV over a block, after straight flight.
 #[derive(Debug, Clone)]
 pub(super) struct Turning {
-    /// By increment: how far it turns, radians, and its way through the block, step by step, metres
-    /// ahead and to the left of where it began.
+    /// By increment: the turn, radians, and the way through the block, step by step, metres ahead and to the left
+    /// of its beginning.
     turns: Vec<(f64, Vec<[f64; 2]>)>,
 }
 
@@ -25,7 +25,7 @@ impl Turning {
     pub(super) fn new(config: &AgentConfig, increments: &[f64]) -> Self {
         let omega = SETTLING / config.fleet.yaw_settling_s;
         let root = (1.0 - DAMPING * DAMPING).sqrt();
-        // The share of the turn that is done after some time.
+        // The share of the turn that is completed after a time.
         let share = |t_s: f64| {
             let (sin, cos) = (root * omega * t_s).sin_cos();
             1.0 - (-DAMPING * omega * t_s).exp() * (cos + DAMPING / root * sin)
@@ -44,14 +44,14 @@ impl Turning {
         Self { turns: increments.iter().map(way).collect() }
     }
 
-    /// The pose one block after `pose` with the yaw increment of that index, settled again. Level.
+    /// The level pose one block after `pose` with the yaw increment of this index, when the yaw has settled.
     pub(super) fn advance(&self, pose: &Pose, increment: usize) -> Pose {
         let [x, y] =
             self.way(pose, increment).next_back().unwrap_or([pose.p_world[0], pose.p_world[1]]);
         Pose::level([x, y, pose.p_world[2]], pose.yaw_rad + self.turns[increment].0)
     }
 
-    /// Where that block leads, step by step, `world`, metres.
+    /// The way through that block, step by step, `world`, metres.
     pub(super) fn way<'a>(
         &'a self,
         pose: &Pose,
@@ -62,8 +62,8 @@ impl Turning {
         steps.map(move |[ahead, left]| [x + ahead * cos - left * sin, y + ahead * sin + left * cos])
     }
 
-    /// How far a way may be off, metres per turn, because the turn before is not quite over when the
-    /// block begins: what is left of it then, at most √2·e^{-ζωT} of a turn, decays with ζω.
+    /// Bound of the error of a way, metres per turn, because the turn before has not quite settled when the block
+    /// begins: the remainder, at most √2·e^{-ζωT} of a turn, decays with ζω.
     pub(super) fn doubt_m(config: &AgentConfig, turn_rad: f64) -> f64 {
         let rate = DAMPING * SETTLING / config.fleet.yaw_settling_s;
         let left_rad =

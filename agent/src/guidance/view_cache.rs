@@ -1,8 +1,8 @@
-//! What is seen from where, found once for all agents that know the same.
+//! A cache of views by pose, shared by all agents with the same knowledge.
 //!
-//! The second pass of a decision looks from the same poses as the first, and neighbours look from the poses
-//! that somebody plans: in a large fleet from more of those than from poses of their own. All that counts
-//! is what is seen of X^Δ, to which it may grow within the horizon.
+//! The second pass of a decision has the same poses as the first, and each planner also predicts the views from
+//! the planned poses of the other UAVs, which are more than its own poses in a large fleet. A view is cut to the
+//! cells that X^Δ may cover within the horizon.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -13,8 +13,8 @@ use csat_proto::raster::Raster;
 
 use super::rounded_views::VisibleCells;
 
-/// What was seen of one X^Δ from where in one world, for one camera and criterion. It changes the time
-/// that a look takes and nothing else.
+/// The views of one X^Δ given one OEM, for one camera and criterion. The cache changes the time of a look and
+/// no result.
 #[derive(Default)]
 pub struct ViewCache {
     grown: OnceLock<Raster>,
@@ -22,24 +22,24 @@ pub struct ViewCache {
 }
 
 impl ViewCache {
-    /// All that X^Δ may cover within the horizon; `grow` finds it if nobody has before.
+    /// The cells that X^Δ may cover within the horizon; `grow` computes them at the first call.
     pub(super) fn grown(&self, grow: impl FnOnce() -> Raster) -> &Raster {
         self.grown.get_or_init(grow)
     }
 
-    /// What is seen from `pose`; `look` finds it if nobody has before.
+    /// The view from `pose`; `look` computes it if it is not cached.
     pub(super) fn at(&self, pose: &Pose, look: impl FnOnce() -> VisibleCells) -> Arc<VisibleCells> {
         let Pose { p_world: [x, y, z], yaw_rad, pitch_rad, roll_rad } = *pose;
         let key = [x, y, z, yaw_rad, pitch_rad, roll_rad].map(f64::to_bits);
         let known = self.known().get(&key).cloned();
-        // Two who look at the same time see the same: nobody waits.
+        // Two threads may compute the same view at the same time; neither waits for the other.
         known.unwrap_or_else(|| {
             let view = Arc::new(look());
             self.known().entry(key).or_insert(view).clone()
         })
     }
 
-    /// How many poses were looked from.
+    /// Number of cached poses.
     #[cfg(test)]
     pub(super) fn poses(&self) -> usize {
         self.known().len()

@@ -1,11 +1,9 @@
-//! What the buildings of a map hide from a cell, for `str4`: as [`super::shadow`] has it, but on cells
-//! and rays alone. It asks for so many views that what each costs must not depend on how many buildings
-//! there are.
+//! The cells of a map that buildings hide from a cell, for `str4`. They approximate [`super::shadow`] on cells
+//! and rays: the search needs so many views that the time of one must not depend on the number of buildings.
 //!
-//! Rays leave the middle of the eye's cell; they and the cells they pass are the same for every eye. On
-//! its way out a ray carries how far the highest shadow reaches that it has met: a building of height h
-//! that ends at distance d hides from height z what is nearer than d·z/(z-h). Cells take the ray that is
-//! next to them.
+//! Rays start in the middle of the cell of the eye (the camera); their cells relative to the eye are the same for
+//! every eye. Along a ray the caster tracks the farthest end of the shadows so far: a building of height h that
+//! ends at distance d hides, from height z, the ground up to d·z/(z-h). Each cell belongs to the ray nearest to it.
 
 use std::ops::Range;
 
@@ -14,23 +12,23 @@ use csat_proto::raster::Grid;
 use super::height_map::{HeightMap, Layout, STOREY_M};
 use crate::estimate::oem::Oem;
 
-/// Parts of 1 that stretches are told in.
+/// The unit of stretches is 1 / `STRETCH`.
 const STRETCH: u64 = 1 << 10;
-/// A stretch beyond all reach.
+/// A stretch that exceeds every range.
 const FARTHEST: u64 = 1 << 32;
 /// The axes of the quadrants: east, north, west, south. To the left of each lies the next.
 const AXES: [[i32; 2]; 4] = [[1, 0], [0, 1], [-1, 0], [0, -1]];
 
-/// A ray of a quadrant, so many cells along its axis; in cells to the left of the axis.
+/// The position of a ray of a quadrant at some cell along its axis, in cells to the left of the axis.
 #[derive(Debug, Clone, Copy)]
 struct RayStep {
-    /// The cell it passes.
+    /// The cell that the ray passes.
     passes: i16,
-    /// The first cell that takes this ray: the last one comes before the first of the next ray.
+    /// The first cell that belongs to the ray; the last one is before the first cell of the next ray.
     first: i16,
 }
 
-/// Rays by number, a bit each.
+/// A set of rays, a bit each.
 pub(super) type Rays = Vec<u64>;
 
 /// The cells of a map that are hidden from the middle of one of its cells, or of one outside it.
@@ -39,9 +37,9 @@ pub(super) struct Viewshed {
     /// (column, row).
     eye: [i32; 2],
     z_m: f64,
-    /// How far it goes, cells.
+    /// Its range, cells.
     reach: i32,
-    /// The rays that were cast: nothing is known of the cells of others.
+    /// The rays that were cast; cells of other rays are not computed yet.
     cast: Rays,
     /// The south-west corner of `hidden`: its row, and its word of a row of the map.
     corner: [i32; 2],
@@ -51,14 +49,14 @@ pub(super) struct Viewshed {
 }
 
 impl Viewshed {
-    /// Those of `bits`, cells of one word of one row within reach, whose rays were cast, that are not
-    /// hidden.
+    /// The cells of `bits` that are not hidden; `bits` are cells in one word of one row, in range, whose rays
+    /// were cast.
     pub(super) fn seen(&self, row: i32, word: i32, bits: u64) -> u64 {
         let index = (row - self.corner[1]) * self.words_per_row + word - self.corner[0];
         bits & !self.hidden[index as usize]
     }
 
-    /// Where the bits of `hidden` are.
+    /// The layout of the bits of `hidden`.
     fn layout(&self) -> Layout {
         let stride = 64 * self.words_per_row;
         Layout { stride, origin: -self.corner[1] * stride - 64 * self.corner[0] }
@@ -73,18 +71,18 @@ impl Viewshed {
 #[derive(Debug, Clone)]
 pub(super) struct RayCaster {
     height_map: HeightMap,
-    /// How far rays go, cells along their quadrant's axis; there are as many rays in a quadrant.
+    /// The length of rays, cells along the axis of their quadrant; each quadrant has as many rays.
     reach: i32,
-    /// By ray of a quadrant, with one past the last, and cell along its axis.
+    /// By ray of a quadrant, with one more than there are, and by cell along its axis.
     steps: Vec<RayStep>,
-    /// By storeys: what the distance of their far side is multiplied by to give their shadow's end, seen
-    /// from `z_m`; in shares of [`STRETCH`].
+    /// By storeys: the factor from the distance of the far side of a building to the end of its shadow, seen from
+    /// `z_m`; in units of 1 / [`STRETCH`].
     stretch: [u64; 256],
     z_m: f64,
 }
 
 impl RayCaster {
-    /// Of an empty map on `grid`, for looks no farther than `reach_m` on the ground.
+    /// A caster of an empty map on `grid`, for views up to `reach_m` on the ground.
     pub(super) fn new(grid: Grid, reach_m: f64) -> Self {
         let reach = (reach_m / grid.cell_m).ceil().clamp(1.0, f64::from(i16::MAX)) as i32;
         let step = |ray: i32, cell: i32| RayStep {
@@ -100,12 +98,12 @@ impl RayCaster {
         }
     }
 
-    /// What it casts rays in.
+    /// The heights of its map.
     pub(super) fn height_map(&self) -> &HeightMap {
         &self.height_map
     }
 
-    /// The next rays are cast in `oem`; false if it looks as before.
+    /// Loads `oem` for the next rays; false if its heights are the same as before.
     pub(super) fn load(&mut self, oem: &Oem) -> bool {
         let height_map = HeightMap::of(oem, self.height_map.grid(), self.reach);
         let is_new = height_map != self.height_map;
@@ -113,7 +111,7 @@ impl RayCaster {
         is_new
     }
 
-    /// The ray that a cell takes which is so far east and north of the eye; none for the eye's own.
+    /// The ray of a cell given relative to the eye (east, north); `None` for the cell of the eye.
     pub(super) fn ray_of(&self, cell: [i32; 2]) -> Option<usize> {
         let dot = |axis: [i32; 2]| axis[0] * cell[0] + axis[1] * cell[1];
         (0..4).find_map(|quadrant| {
@@ -124,7 +122,7 @@ impl RayCaster {
         })
     }
 
-    /// Those rays.
+    /// The rays of these cells.
     pub(super) fn rays_of(&self, cells: impl Iterator<Item = [i32; 2]>) -> Rays {
         let mut rays = self.no_rays();
         cells
@@ -137,8 +135,8 @@ impl RayCaster {
         vec![0; (4 * self.reach as usize).div_ceil(64)]
     }
 
-    /// What is hidden from `z_m` above the middle of a cell, (column, row), within `reach_m` on the ground:
-    /// nothing, until rays are cast.
+    /// An empty viewshed from `z_m` above the middle of a cell (column, row), up to `reach_m` on the ground; no
+    /// ray is cast yet.
     pub(super) fn viewshed(&self, eye: [i32; 2], z_m: f64, reach_m: f64) -> Viewshed {
         let reach = self.reach.min((reach_m / self.height_map.grid().cell_m).ceil() as i32);
         let corner = [(eye[0] - reach).div_euclid(64), eye[1] - reach];
@@ -148,7 +146,7 @@ impl RayCaster {
         Viewshed { eye, z_m, reach, cast: self.no_rays(), corner, words_per_row, hidden }
     }
 
-    /// Casts those of `rays` that were not.
+    /// Casts those of `rays` that were not cast before.
     pub(super) fn cast(&mut self, viewshed: &mut Viewshed, rays: &Rays) {
         if !self.height_map.is_in_reach_of(viewshed.eye) {
             return;
@@ -171,21 +169,21 @@ impl RayCaster {
         self.z_m = z_m;
         for (stretch, storeys) in self.stretch.iter_mut().zip(0..) {
             let height = f64::from(storeys) * STOREY_M;
-            // What is as high as the eye hides all that lies behind.
+            // A building as high as the eye hides all ground behind it.
             let factor = if height < z_m { z_m / (z_m - height) } else { f64::INFINITY };
             *stretch = (factor * STRETCH as f64).min(FARTHEST as f64) as u64;
         }
         self.stretch[0] = 0;
     }
 
-    /// How many cells along its axis a ray of a quadrant takes until those that take it are out of reach.
+    /// The number of cells along its axis until the cells of a ray of a quadrant are out of range.
     fn cells_within(&self, reach: i32, ray: usize) -> i32 {
         let least = ((2 * ray as i32 + 1 - self.reach).abs() - 1).max(0);
         let least = f64::from(least) / f64::from(self.reach);
         (f64::from(reach) / (1.0 + least * least).sqrt()) as i32 + 1
     }
 
-    /// Finds which cells that take a ray are hidden.
+    /// Marks the hidden cells of a ray.
     fn cast_ray(&self, viewshed: &mut Viewshed, ray: usize) {
         let (quadrant, ray) = (ray / self.reach as usize, ray % self.reach as usize);
         let axes = [AXES[quadrant], AXES[(quadrant + 1) % 4]];
@@ -196,12 +194,12 @@ impl RayCaster {
         let (steps, next) = (steps(ray), steps(ray + 1));
         let at = self.height_map.layout().walk(eye, axes);
         let hidden_at = viewshed.layout().walk(eye, axes);
-        // In halves of a cell and shares of STRETCH.
+        // The end of the shadows, in units of half a cell / STRETCH.
         let mut end = 0;
         for cell in inside {
             let step = steps[cell as usize];
             let storeys = self.height_map.storeys_at(at.index(cell, step.passes));
-            // Mostly there is nothing.
+            // Most cells have no building.
             if storeys > 0 {
                 end = end.max((2 * cell as u64 + 1) * self.stretch[usize::from(storeys)]);
             }

@@ -1,4 +1,4 @@
-//! Viewsheds against the point by point test of the exact shadows.
+//! Viewsheds against the exact test of shadows, point by point.
 
 use csat_proto::model::Ground;
 use csat_proto::oem::{OemCell, OemDelta};
@@ -11,7 +11,7 @@ use super::*;
 
 const GROUND: Ground = Ground { size_m: [500.0, 420.0] };
 
-/// The boxes that a skyline makes of a map.
+/// The boxes of a height map.
 fn boxes(height_map: &HeightMap) -> Oem {
     let grid = *height_map.grid();
     let mut oem = Oem::unexplored(grid);
@@ -26,7 +26,7 @@ fn boxes(height_map: &HeightMap) -> Oem {
     oem
 }
 
-/// All that there is to know from `eye`.
+/// The complete viewshed of `eye`.
 fn all_around(caster: &mut RayCaster, eye: [i32; 2], z_m: f64) -> Viewshed {
     let mut viewshed = caster.viewshed(eye, z_m, 300.0);
     let cells = -caster.reach..=caster.reach;
@@ -67,8 +67,7 @@ fn what_is_hidden_is_what_points_say() {
             false_seen += u32::from(expected && !found);
         }
     }
-    // Corners that a line of sight only cuts are missed, and far away a ray stands for two cells side by
-    // side.
+    // Rays miss corners that a line of sight only cuts, and far away a ray serves two cells side by side.
     assert!(hidden > 10_000, "{hidden}");
     assert!(false_hidden * 100 < 2 * hidden, "{false_hidden} of {hidden}");
     assert!(false_seen * 100 < 7 * hidden, "{false_seen} of {hidden}");
@@ -85,7 +84,7 @@ fn a_shadow_ends_where_the_line_of_sight_over_the_roof_meets_the_ground() {
     let mut caster = RayCaster::new(grid, 300.0);
     caster.load(&oem);
     let viewshed = all_around(&mut caster, [50, 50], 52.0);
-    // A roof half as high as the eye: twice as far.
+    // A roof half as high as the eye: its shadow ends at twice the distance.
     let hidden: Vec<i32> = (50..101).filter(|&c| !sees(&viewshed, [c, 50])).collect();
     assert_eq!(hidden, (69..91).collect::<Vec<_>>());
     let hidden: Vec<i32> = (0..50).filter(|&r| !sees(&viewshed, [50, r])).collect();
@@ -93,7 +92,7 @@ fn a_shadow_ends_where_the_line_of_sight_over_the_roof_meets_the_ground() {
     assert!((0..101).all(|r| (0..50).all(|c| c > 45 && r < 35 || sees(&viewshed, [c, r]))));
 }
 
-/// The same from outside the map, where rays enter it somewhere on their way.
+/// The same from outside the map, where rays enter the map on their way.
 #[test]
 fn eyes_may_be_outside_the_map() {
     let ground = Ground { size_m: [200.0; 2] };
@@ -113,7 +112,7 @@ fn eyes_may_be_outside_the_map() {
     assert_eq!(inside(500, -1, 50, 76), 76..76);
 }
 
-/// What was asked for before makes no difference.
+/// Earlier queries have no effect.
 #[test]
 fn cells_take_one_ray_each() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);

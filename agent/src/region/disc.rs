@@ -1,4 +1,4 @@
-//! Regular polygons that stand for discs.
+//! Regular polygons that contain discs.
 
 use std::f64::consts::PI;
 
@@ -12,8 +12,8 @@ const LIMIT: i32 = (1 << 30) - 1;
 
 /// A regular polygon with fixed directions that contains a disc centred on the origin.
 ///
-/// Fixed directions are what keeps vertex counts bounded: edges of repeatedly dilated sets stay
-/// parallel and merge.
+/// Fixed directions keep the number of vertices bounded: edges of repeatedly dilated sets stay parallel and
+/// merge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disc {
     corners: Ring,
@@ -23,10 +23,10 @@ pub struct Disc {
 
 impl Disc {
     /// The circumscribed polygon of the disc of `radius_m` plus [`NUMERIC_MARGIN_M`], with
-    /// `vertices` corners, or fewer where the grid cannot tell them apart.
+    /// `vertices` corners, or fewer where corners coincide on the grid.
     ///
-    /// A disc too large for the grid (or whose radius is not a number) stands for the whole plane:
-    /// what is dilated by it fills its bounds, what is eroded by it vanishes.
+    /// A disc too large for the grid (or whose radius is not a number) is the whole plane: a set dilated by
+    /// it fills its bounds, a set eroded by it is empty.
     pub fn circumscribed(radius_m: f64, vertices: u16) -> Self {
         let count = vertices.max(4);
         let n = f64::from(count);
@@ -48,17 +48,17 @@ impl Disc {
         &self.corners
     }
 
-    /// How far it goes, metres.
+    /// Its radius with the corners, metres.
     pub(super) fn reach_m(&self) -> f64 {
         f64::from(self.reach) / UNITS_PER_M
     }
 
-    /// Whether the disc about any point of `region` stays within what can be computed with.
+    /// Whether the disc about every point of `region` has valid coordinates.
     pub(super) fn fits(&self, region: &Region) -> bool {
         region.bounds().is_none_or(|bounds| self.fits_about(&bounds))
     }
 
-    /// Whether the disc about any point of a box stays within what can be computed with.
+    /// Whether the disc about every point of a box has valid coordinates.
     pub(super) fn fits_about(&self, bounds: &GridBox) -> bool {
         let room = LIMIT - self.reach;
         let farthest = |p: GridPoint| p.x.unsigned_abs().max(p.y.unsigned_abs());

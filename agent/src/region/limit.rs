@@ -1,9 +1,10 @@
-//! Sets of no more than so many vertices.
+//! Limits the number of vertices of a set.
 //!
-//! Each round doubles a length. The border is simplified by it, what is narrower than a few of it is given
-//! up (holes of an outer set, shapes of an inner one), and where that does not do, gaps are closed by
-//! growing or shrinking by it. In the end an outer set fills its bounds and an inner one is empty, so it
-//! ends whatever the set; each round goes the safe way only.
+//! Each round doubles a length. It simplifies the border by that length and drops what is narrower than a few
+//! times that length (holes of an outer approximation, shapes of an inner one). If that does not suffice, it
+//! grows or shrinks the set by that length, which closes gaps. In the end an outer approximation fills its
+//! bounds and an inner one is empty, so the rounds end for every set. Outer approximations only grow and
+//! inner ones only shrink.
 
 use csat_proto::region::{GridBox, Region, Ring, Shape, UNITS_PER_M};
 
@@ -12,11 +13,11 @@ use crate::mutant::{Mutant, is_on};
 
 /// The length of the first round, metres.
 const FINEST_M: f64 = 1.0 / 16.0;
-/// What is narrower than so many lengths is given up.
+/// Holes and shapes narrower than this many lengths are dropped.
 const NARROW: f64 = 4.0;
 /// From this length on sets grow or shrink, metres.
 const CLOSING_M: f64 = 0.5;
-/// Corners of the disc by which they do.
+/// Corners of the disc by which sets grow or shrink.
 const CORNERS: u16 = 8;
 
 impl Outer {
@@ -38,7 +39,7 @@ impl Outer {
             if length_m >= CLOSING_M && set.region().vertex_count() > vertices {
                 set = set.dilated(&Disc::circumscribed(length_m, CORNERS), bounds);
             }
-            // Meeting points of edges may lie outside.
+            // Points where edges were extended to meet may lie outside.
             let within = set.intersection(&Outer::containing(bounds.clone()));
             if within.region().vertex_count() <= vertices {
                 return within;

@@ -1,7 +1,7 @@
-//! Planar sets whose type says what they guarantee.
+//! Planar sets with their guarantee in the type: outer and inner approximations.
 //!
-//! [`Outer`] contains the set it stands for, [`Inner`] is contained in it. Only operations that keep
-//! that promise exist:
+//! An [`Outer`] contains the set it approximates, an [`Inner`] is contained in it. Only operations that keep
+//! this guarantee exist:
 //!
 //! | operation | result |
 //! |---|---|
@@ -11,7 +11,7 @@
 //! | [`Outer::dilated`], [`Outer::simplified`], [`Outer::limited`] | `Outer` |
 //! | [`Inner::eroded`], [`Inner::simplified`], [`Inner::limited`] | `Inner` |
 //!
-//! `Outer \ Outer` does not exist: what would break the guarantee does not compile.
+//! `Outer \ Outer` does not exist: code that would break the guarantee does not compile.
 //!
 //! ```compile_fail
 //! # use csat_agent::region::Outer;
@@ -45,10 +45,10 @@ pub use grown::Grown;
 pub use inner::Inner;
 pub use outer::Outer;
 pub use reach::Reach;
-pub use simplify::{Approximation, Tolerance, simplify_ring};
+pub(crate) use simplify::{Approximation, Tolerance, simplify_ring};
 
 pub(crate) use boolean::{RULE, overlay};
 pub(crate) use vector::turn;
 
-/// ε_num: what a step's polygon operations may lose by rounding, in metres, with a wide margin.
+/// ε_num: a bound, with a wide margin, on what the polygon operations of a step lose by rounding, metres.
 pub const NUMERIC_MARGIN_M: f64 = 1e-4;

@@ -7,21 +7,21 @@ use super::simplify::{Approximation, simplify_region, simplify_shapes};
 use super::sweep::dilated_path;
 use super::{Disc, Inner, RULE, overlay};
 
-/// A set that contains what it stands for; it may only grow by rounding.
+/// An outer approximation: a set that contains the set it approximates; rounding may only make it larger.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Outer(Region);
 
 impl Outer {
-    /// Declares that `region` contains what it stands for. This is where a guarantee enters: the
-    /// caller has a proposition that says so, or checked a message that claims so.
+    /// Declares that `region` contains the set it approximates. This is where a guarantee enters: the caller
+    /// has a proposition that says so, or a checked message that claims so.
     pub fn containing(region: Region) -> Self {
         Self(region)
     }
 
-    /// The union of convex rings (counter-clockwise, grid; points and segments are such, too), each
+    /// The union of convex rings (counter-clockwise, on the grid; points and segments are allowed), each
     /// dilated by `disc`, within `bounds`.
     pub(crate) fn around(rings: &[Ring], disc: &Disc, bounds: &Region) -> Self {
-        // A point at the end of the grid may stand for one beyond it.
+        // A point at the end of the grid may be the rounded image of a point beyond it.
         let end = to_units(MAX_COORDINATE_M);
         let is_inside =
             |b: &GridBox| [b.min.x, b.min.y, -b.max.x, -b.max.y].iter().all(|&x| x > -end);
@@ -44,7 +44,7 @@ impl Outer {
         self.0
     }
 
-    /// Whether nothing is left.
+    /// Whether it is ∅.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -107,7 +107,7 @@ fn difference(region: Region, parts: &[&Region]) -> Region {
     let Some(clip_bounds) = GridBox::around(clip.iter().flat_map(|s| &s[0])) else {
         return region;
     };
-    // Shapes that nothing touches need not pass through the overlay.
+    // Shapes that no part touches do not pass through the overlay.
     let (subject, kept): (Vec<Shape>, Vec<Shape>) =
         region.into_shapes().into_iter().partition(|shape| meets(shape, &clip_bounds));
     let cut = overlay(subject.iter().flatten(), clip.into_iter().flatten(), RULE::Difference);
@@ -143,7 +143,7 @@ mod tests {
     fn what_reaches_past_the_grid_fills_the_bounds() {
         let bounds = Region::rectangle([100.0, 100.0]);
         for (far, radius_m) in [([4095.0, 0.0], 1.5), ([0.0, -5000.0], 0.3), ([4094.0, 0.0], 3.0)] {
-            // The other end of a segment, so that something of it is in reach.
+            // A segment whose other end is within the bounds.
             let segment = vec![grid_point(far), grid_point([0.0, 0.0])];
             let disc = Disc::circumscribed(radius_m, 16);
             assert_eq!(Outer::around(&[segment], &disc, &bounds).into_region(), bounds);

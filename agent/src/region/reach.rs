@@ -1,4 +1,4 @@
-//! Dilations and erosions by far more than a set's details.
+//! Dilations and erosions by lengths much larger than the details of a set.
 
 use csat_proto::region::{GridBox, Region, Ring, Shape, UNITS_PER_M};
 
@@ -9,39 +9,38 @@ use super::{Disc, Inner, Outer, RULE, overlay};
 const FIRST_STAGE_M: f64 = 1.0;
 /// Before each stage sets are simplified by this share of its disc's radius.
 const STAGE_TOLERANCE: f64 = 1.0 / 32.0;
-/// The same where sets are swept in each period, so that what a simplification adds adds up.
+/// The same for sets that are swept in each period, where the effects of simplifications add up.
 const STAGE_TOLERANCE_OF_PERIOD: f64 = 1.0 / 1024.0;
 
 /// A disc of any size, in stages.
 ///
-/// Swept with a disc much larger than its details, a set's raw path crosses itself as often as the set
-/// has pairs of edges: for thousands of vertices and a minute of age, gigabytes. So the way is gone in
-/// stages, each as long as all before it together, with a simplification before each: details are
-/// gone before they are swept far. The stages' polygons are homothetic, so that their Minkowski sum
-/// is the polygon of the whole disc.
+/// If a set is swept with a disc much larger than its details, the number of crossings of its raw path is the
+/// number of pairs of its edges: for thousands of vertices and a minute of age, gigabytes. So the disc is
+/// swept in stages, each as large as all stages before it together, with a simplification before each stage:
+/// details are removed before they are swept far. The polygons of the stages are homothetic, so their
+/// Minkowski sum is the polygon of the whole disc.
 #[derive(Debug, Clone)]
 pub struct Reach {
     whole: Disc,
     stages: Vec<Stage>,
 }
 
-/// A part of the way.
+/// One stage of a sweep.
 #[derive(Debug, Clone)]
 pub(super) struct Stage {
     pub(super) disc: Disc,
     radius_m: f64,
-    /// Of the simplification before it; small against the radius.
+    /// The tolerance of the simplification before it; small compared with the radius.
     pub(super) tolerance_m: f64,
 }
 
 impl Reach {
-    /// A disc of `radius_m`, by circumscribed polygons of `vertices` corners. One stage will do for up to
-    /// a metre.
+    /// A disc of `radius_m`, by circumscribed polygons of `vertices` corners. Up to a metre it is one stage.
     pub fn new(radius_m: f64, vertices: u16) -> Self {
         Self::staged(radius_m, vertices, STAGE_TOLERANCE)
     }
 
-    /// The same for what is swept in each period, with finer simplifications.
+    /// The same for sets that are swept in each period, with finer simplifications.
     pub fn of_period(radius_m: f64, vertices: u16) -> Self {
         Self::staged(radius_m, vertices, STAGE_TOLERANCE_OF_PERIOD)
     }
@@ -60,7 +59,7 @@ impl Reach {
         if stages.is_empty() { Self::at_once(whole) } else { Self { whole, stages } }
     }
 
-    /// A disc that is swept at once, however large it is.
+    /// A disc that is swept in one stage, whatever its size.
     pub fn at_once(disc: Disc) -> Self {
         let stage = Stage { disc: disc.clone(), radius_m: 0.0, tolerance_m: 0.0 };
         Self { whole: disc, stages: vec![stage] }
@@ -75,8 +74,8 @@ impl Reach {
 }
 
 impl Outer {
-    /// A superset of (self ⊕ reach) ∩ bounds. Corners that a simplification pushed out are pushed on by
-    /// the stages that follow, by up to three quarters of the reach.
+    /// A superset of (self ⊕ reach) ∩ bounds. The stages after a simplification move corners that it pushed
+    /// out farther, by up to three quarters of the reach.
     pub fn dilated_far(&self, reach: &Reach, bounds: &Region) -> Outer {
         let Some((set, last)) = self.before_last_stage(reach) else {
             return Outer::containing(bounds.clone());
@@ -85,7 +84,7 @@ impl Outer {
         Outer::containing(overlay(&paths, bounds.rings(), RULE::Intersect))
     }
 
-    /// self ⊕ all stages but the last, and that one. `None` if the reach is too large for the grid.
+    /// self ⊕ all stages but the last one, and the last stage. `None` if the reach is too large for the grid.
     pub(super) fn before_last_stage<'r>(&self, reach: &'r Reach) -> Option<(Outer, &'r Stage)> {
         if !reach.whole.fits(self.region()) {
             return None;
@@ -100,7 +99,7 @@ impl Outer {
 }
 
 impl Inner {
-    /// A subset of self ⊖ reach that contains all that is farther inside by a quarter of the reach.
+    /// A subset of self ⊖ reach that contains self ⊖ 1.25 reach.
     pub fn eroded_far(&self, reach: &Reach) -> Inner {
         if !reach.whole.fits(self.region()) {
             return Inner::default();
@@ -124,13 +123,13 @@ impl Stage {
         rings.map(|ring| dilated_path(ring, &self.disc)).collect()
     }
 
-    /// The rings of a shape but for holes that a dilation fills.
+    /// The rings of a shape without holes that the dilation fills.
     pub(super) fn swept_rings<'a>(&self, shape: &'a Shape) -> impl Iterator<Item = &'a Ring> {
         let holes: Vec<&Ring> = shape.iter().skip(1).filter(|ring| !self.exceeds(ring)).collect();
         shape.first().into_iter().chain(holes)
     }
 
-    /// Whether the disc fits nowhere into a ring, because it does not fit into its box.
+    /// Whether the disc does not fit into the box of a ring, and so nowhere into the ring.
     fn exceeds(&self, ring: &Ring) -> bool {
         let side = |min: i32, max: i32| f64::from(max) - f64::from(min);
         GridBox::around(ring).is_none_or(|b| {

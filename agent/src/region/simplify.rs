@@ -1,14 +1,14 @@
-//! Simplification that only goes the safe way.
+//! Simplification by which outer approximations only grow and inner ones only shrink.
 //!
 //! Dropping a vertex v between a and b replaces the path a-v-b by a-b: the winding number changes by
 //! one over the triangle (a, v, b) and nowhere else: up at a reflex vertex, down at a convex one. So
 //! a set that is filled where the winding number is positive only grows when reflex vertices are
-//! dropped, and only shrinks when convex ones are, *whatever else lies in the triangle*: no
-//! topological test is needed, only one resolving pass afterwards.
+//! dropped, and only shrinks when convex ones are, whatever else lies in the triangle. So no topological test
+//! is needed, only one resolving pass afterwards.
 //!
-//! Likewise, replacing an edge between two convex vertices by the point where its neighbours meet
-//! adds the triangle between them, which an outer set may; an edge between two reflex vertices
-//! removes one, which an inner set may.
+//! Likewise, replacing an edge between two convex vertices by the point where its neighbours meet adds the
+//! triangle between them, which is allowed for an outer approximation; replacing an edge between two reflex
+//! vertices removes a triangle, which is allowed for an inner one.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -18,16 +18,16 @@ use csat_proto::region::{GridPoint, Region, Ring, Shape, UNITS_PER_M, twice_sign
 use super::vector::{Vector, turn};
 use super::{RULE, overlay};
 
-/// Which way a set may change.
+/// The kind of approximation, which says how a set may change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Approximation {
-    /// It may grow.
+    /// An outer approximation: it may grow.
     Outer,
-    /// It may shrink.
+    /// An inner approximation: it may shrink.
     Inner,
 }
 
-/// How far a move may go.
+/// The bounds of a move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
     /// The border may move by at most this, in units of the coordinates.
@@ -41,7 +41,7 @@ pub struct Tolerance {
 /// No move is longer than this many times its height tolerance.
 const LENGTH_PER_HEIGHT: f64 = 100.0;
 
-/// Meeting points are pushed out this far, in units, to make up for rounding them to the grid.
+/// Meeting points are pushed out by this, in units, to compensate rounding to the grid.
 const ROUNDING: f64 = 2.0;
 
 /// Simplifies a region; each move shifts the border by at most `tolerance_m`.
@@ -91,7 +91,7 @@ pub(super) fn simplified_rings<'a>(
 /// collinear vertices always go.
 ///
 /// The ring may cross itself afterwards and is to be filled where its winding number is positive. It
-/// may become empty: an outer ring of an inner set, or a hole of an outer one.
+/// may become empty: an outer ring of an inner approximation, or a hole of an outer one.
 pub fn simplify_ring(
     ring: &[GridPoint],
     approximation: Approximation,
@@ -99,7 +99,7 @@ pub fn simplify_ring(
 ) -> Ring {
     let mut chain = VertexList::new(ring, approximation, tolerance);
     while let Some(Reverse((bits, at, change))) = chain.queue.pop() {
-        // Entries go stale when a neighbour changes: the price is asked again before acting on one.
+        // Entries are stale after a change of a neighbour: the price is computed again before a move.
         if chain.alive[at] && chain.price(at, change).map(f64::to_bits) == Some(bits) {
             chain.apply(at, change);
             if chain.left < 3 {
@@ -166,7 +166,7 @@ impl VertexList {
         }
     }
 
-    /// The share of the tolerance that a move uses up; `None` when it goes the unsafe way or too far.
+    /// The share of the tolerance that a move takes; `None` when it is unsafe or exceeds the tolerance.
     fn price(&self, i: usize, change: Change) -> Option<f64> {
         let price = match change {
             Change::Drop => self.price_of_drop(i),

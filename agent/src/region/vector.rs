@@ -1,4 +1,4 @@
-//! Differences of grid points: which way a path turns, exactly.
+//! Differences of grid points, and exact turns of paths.
 
 use csat_proto::region::GridPoint;
 
@@ -25,7 +25,7 @@ impl Vector {
         i128::from(self.x) * i128::from(other.x) + i128::from(self.y) * i128::from(other.y)
     }
 
-    /// The vector turned to the right: the normal of an edge, away from what lies to its left.
+    /// The vector turned to the right: the normal of an edge, away from the set on its left.
     pub(crate) fn outward(self) -> Self {
         Self { x: self.y, y: -self.x }
     }
@@ -36,8 +36,8 @@ impl Vector {
     }
 }
 
-/// How far the path a → b → c turns to the left: twice the area of the triangle; 0 if it goes straight
-/// on or back.
+/// Twice the signed area of the triangle (a, b, c): positive if the path a → b → c turns to the left, 0 if it
+/// goes straight on or back.
 pub(crate) fn turn(a: GridPoint, b: GridPoint, c: GridPoint) -> i128 {
     Vector::between(a, b).cross(Vector::between(b, c))
 }

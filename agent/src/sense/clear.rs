@@ -1,4 +1,4 @@
-//! Clear ground.
+//! Clear ground C (4.6).
 
 use csat_proto::camera::CameraView;
 use csat_proto::region::{GridPoint, MAX_COORDINATE_M, Region, Ring, grid_point};
@@ -10,13 +10,14 @@ use crate::region::Inner;
 /// C = P^g(Y^g) ∩ X_g (4.6): the ground seen through Ground pixels, inner.
 ///
 /// The image-to-ground map is a homography, and homographies map straight edges to straight edges:
-/// mapping the corners of the pixels' outline is exact, whatever the number of pixels. `outline`
+/// mapping the corners of the pixels' outline is exact for any number of pixels. `outline`
 /// holds rings in 1/256 pixels with the ground on the left, filled by positive winding; no target location
 /// is in the result by Assumption 7 (Proposition 14).
 pub fn clear_ground(view: &CameraView, outline: &[Ring], ground: &Region) -> Inner {
     let pixels = |units: i32| f64::from(units) / f64::from(UNITS_PER_PX);
     let on_ground = |p: &GridPoint| view.ground_point(pixels(p.x), pixels(p.y));
-    // Every corner of a Ground pixel sees the ground; a frame that claims otherwise proves nothing.
+    // The ray through every corner of a Ground pixel meets the ground; a frame in which one does not is
+    // invalid and proves nothing.
     let mapped: Option<Vec<Ring>> = outline
         .iter()
         .map(|ring| Some(rounded(ring.iter().rev().map(on_ground).collect::<Option<_>>()?)))
@@ -26,8 +27,8 @@ pub fn clear_ground(view: &CameraView, outline: &[Ring], ground: &Region) -> Inn
     mapped.map_or_else(Inner::default, |rings| Inner::from_rings(&rings, ground))
 }
 
-/// A ring (`world`, metres) on the grid. What lies beyond the grid is cut off: its edges keep their
-/// directions, as they would not if its corners were moved.
+/// A ring (`world`, metres) rounded to the grid. Parts beyond the grid are cut off, because moving their
+/// corners would change the directions of edges.
 fn rounded(ring: Vec<[f64; 2]>) -> Ring {
     let is_beyond = |p: &[f64; 2]| p.iter().any(|x| x.abs() > MAX_COORDINATE_M);
     let ring = if ring.iter().any(is_beyond) {
@@ -53,7 +54,7 @@ mod tests {
         let model = CameraModel { aperture_deg: 70.0, d_max_m: 2e4, ..CameraModel::default() };
         let view = model.at(&pose);
         let ground = Region::rectangle([2000.0; 2]);
-        // Up to where the ground is as far away as that.
+        // The rows whose ground is nearer than 15 km.
         let mut rows = (1..=model.rows).rev();
         let is_near =
             |row: &u16| view.ground_point(240.0, f64::from(*row)).is_some_and(|p| p[0] < 15e3);

@@ -1,9 +1,9 @@
-//! What the ground in front of an obstacle says about where the obstacle is.
+//! The foot of a wall: seen ground in front of an obstacle bounds the position of the obstacle.
 //!
-//! Obstacles are Z-convex (3.1): whatever is below a point of one belongs to it too. So no point of an
-//! obstacle is above ground that is seen, and of the points that may have lit an Obstacle pixel those
-//! above seen ground did not. Noisy depths leave a wall a metre or two of depth; the ground in front
-//! of its foot takes away nearly half of that, and all of it where the depth was read too short.
+//! Obstacles are Z-convex (3.1): all points below a point of an obstacle belong to it too. So no point of an
+//! obstacle is above seen ground, and of the points that may have lit an Obstacle pixel those above seen
+//! ground are excluded. With noisy depths the position of a wall is uncertain by a metre or two; the ground in
+//! front of its foot removes nearly half of that, and all of it where the measured depth is too short.
 
 use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
@@ -11,14 +11,14 @@ use nalgebra::Vector3;
 
 use super::label_at;
 
-/// Pixels this near to where a point falls must be Ground too, pixels: far more than rounding.
+/// Pixels within this distance of the image of a point must be Ground too, pixels; far more than rounding.
 const GUARD_PX: f64 = 0.01;
-/// Halvings of the first step that is not all seen.
+/// How often the step is halved after a part that is not all seen.
 const HALVINGS: u32 = 3;
 
-/// The part of the hull of `corners` (`world`, metres) that is not above seen ground, as the corners
-/// of a set that contains it: from the side of the camera, as much is cut off as is seen through
-/// Ground pixels of the same frame over the hull's whole width. Empty if all of it is.
+/// The part of the hull of `corners` (`world`, metres) that is not above seen ground, as the corners of a set
+/// that contains it. On the side of the camera, the part is cut off that is seen through Ground pixels of the
+/// same frame over the whole width of the hull. Empty if all of it is seen.
 pub(super) fn unseen_part(
     view: &CameraView,
     frame: &Frame,
@@ -45,15 +45,15 @@ pub(super) fn is_seen(view: &CameraView, frame: &Frame, p: [f64; 2]) -> bool {
 
 /// A rectangle on the ground that points away from the camera.
 struct Strip {
-    /// Below the camera, `world`, metres.
+    /// The nadir: the point below the camera, `world`, metres.
     nadir: [f64; 2],
-    /// Away from the camera, a unit vector.
+    /// The direction away from the camera, a unit vector.
     direction: [f64; 2],
     /// Least and greatest coordinate along the direction, metres.
     along: [f64; 2],
-    /// The same across it, to the left, metres.
+    /// Least and greatest coordinate across it, to the left, metres.
     across: [f64; 2],
-    /// What a row of pixels spans on the ground there, metres.
+    /// The length of a row of pixels on the ground there, metres.
     row_m: f64,
 }
 
@@ -97,7 +97,7 @@ impl Strip {
         [x + ux * along - uy * across, y + uy * along + ux * across]
     }
 
-    /// Up to which coordinate along it all of the strip is seen, metres.
+    /// The coordinate along the strip up to which all of it is seen, metres.
     fn seen_to(&self, view: &CameraView, frame: &Frame) -> f64 {
         let [mut seen_to, end] = self.along;
         let mut step = self.row_m;
@@ -115,7 +115,7 @@ impl Strip {
     }
 
     /// Whether the strip between two coordinates is seen: all pixels of the box around its image are
-    /// Ground. Straight lines have straight images, so the box around the corners holds it all.
+    /// Ground. Straight lines have straight images, so the box around the corners contains the image.
     fn is_all_seen(&self, view: &CameraView, frame: &Frame, along: [f64; 2]) -> bool {
         let model = view.model();
         let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
@@ -152,7 +152,7 @@ mod tests {
     /// A wall to the east of this, metres.
     const WALL_M: f64 = 100.0;
 
-    /// What a camera above the origin that looks east sees of a wall at `WALL_M`.
+    /// The frame of a camera above the origin that looks east at a wall at `WALL_M`.
     fn wall() -> (CameraView, Frame) {
         let pose = Pose::level([0.0, 0.0, 52.0], 0.0);
         let model = CameraModel::default();
@@ -204,7 +204,7 @@ mod tests {
         assert!(!is_seen(&view, &frame, [98.0, 60.0]) && !is_seen(&view, &frame, [-98.0, 0.0]));
     }
 
-    /// One pixel that is not Ground in front of the wall ends what is seen.
+    /// One pixel in front of the wall that is not Ground ends the seen part.
     #[test]
     fn every_pixel_of_the_strip_has_to_be_ground() {
         let (view, mut frame) = wall();

@@ -1,4 +1,4 @@
-//! Ground that is hidden or seen in a frame, cell by cell. Nothing here carries a guarantee.
+//! Ground that is hidden or seen in a frame, cell by cell. It carries no guarantee.
 
 use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
@@ -33,8 +33,8 @@ pub fn empty_cells(view: &CameraView, frame: &Frame, grid: Grid) -> Vec<OemDelta
 
 /// Calls `visit` with every cell whose centre projects into the image, within d_max.
 ///
-/// Along a row the centres move by a constant in the camera's frame, so a cell costs one step of
-/// that and one division instead of a change of frames.
+/// Along a row the centres move by a constant in the frame of the camera, so a cell takes one addition and one
+/// division instead of a change of frames.
 fn for_each_visible_cell(
     view: &CameraView,
     frame: &Frame,
@@ -68,7 +68,7 @@ fn footprint_cells(view: &CameraView, grid: &Grid) -> Option<(Cells, Cells)> {
     let bound = |axis: usize, pick: fn(f64, f64) -> f64, start: f64| {
         footprint.iter().map(|p| p[axis]).fold(start, pick)
     };
-    // The footprint's chords lie inside its arcs: one metre more than makes up for it.
+    // The chords of the footprint lie inside its arcs, by less than this.
     const MARGIN_M: f64 = 1.0;
     (footprint.len() >= 3).then(|| {
         let (west, east) =

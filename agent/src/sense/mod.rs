@@ -3,23 +3,23 @@
 //! | module | from | to |
 //! |---|---|---|
 //! | [`outline`] | Ground pixels | their outline in the image |
-//! | [`clear`] | that outline | clear ground C (4.6), inner |
+//! | [`clear`] | the outline | clear ground C (4.6), inner |
 //! | [`pyramid`] | a pixel and its depth | the points that may have lit it (A.2, A.3) |
-//! | [`target`] | Target pixels of a detection | X^{t,m} (4.4), outer |
+//! | `target` | Target pixels of a detection | X^{t,m} (4.4), outer |
 //! | [`exclusion`] | X^{t,m} \\ C | X̲^t (4.17), inner |
-//! | [`obstacle`] | Obstacle pixels | S° (4.12), inner, and occupied cells (4.39) |
+//! | `obstacle` | Obstacle pixels | S° (4.12), inner, and occupied cells (4.39) |
 //! | `pixel_bounds` | Obstacle pixels | bounds on what they may add, in single precision |
-//! | [`hidden`] | all labels | H^CVS (4.23), seen ground, empty cells (4.40) |
+//! | `hidden` | all labels | H^CVS (4.23), seen ground, empty cells (4.40) |
 
 pub mod clear;
 pub mod exclusion;
 mod foot;
-pub mod hidden;
-pub mod obstacle;
+mod hidden;
+mod obstacle;
 pub mod outline;
 mod pixel_bounds;
 pub mod pyramid;
-pub mod target;
+mod target;
 
 use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
@@ -54,7 +54,7 @@ pub struct MeasuredTarget {
 pub struct Measured {
     /// C: contains no target location.
     pub clear_ground: Inner,
-    /// S°: contains no target location, ever. Only what was not measured as well before.
+    /// S°: contains no target location at any step. Without parts that were measured as well before.
     pub obstacle_margin: Inner,
     /// The identified targets, by increasing index.
     pub targets: Vec<MeasuredTarget>,
@@ -67,7 +67,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// What is measured where no frame is taken; coarse sets are on `grid`.
+    /// The measurement of a step without a frame; rasters are on `grid`.
     pub fn nothing(grid: Grid) -> Self {
         Self {
             clear_ground: Inner::default(),
@@ -80,8 +80,8 @@ impl Measured {
     }
 }
 
-/// Turns frames into measured sets. It remembers only where obstacle margins were already measured,
-/// so as not to measure them again.
+/// Turns frames into measured sets. Its only state is where obstacle margins were measured before, so that it
+/// does not measure them again.
 #[derive(Debug, Clone)]
 pub struct Sensor {
     config: AgentConfig,
@@ -91,7 +91,7 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// A sensor that has seen nothing.
+    /// A sensor before its first frame.
     pub fn new(config: &AgentConfig) -> Self {
         let vertices = config.estimator.disc_vertices;
         Self {
@@ -126,7 +126,8 @@ impl Sensor {
         measured
     }
 
-    /// A budget that what is said of a frame keeps to, too: others apply what the sender applies.
+    /// The limit of vertices. It applies to the sets as they are sent, so that receivers apply the same sets as
+    /// the sender.
     fn max_vertices(&self) -> usize {
         self.config.estimator.max_vertices as usize
     }
@@ -153,7 +154,7 @@ impl Sensor {
                 target::location(view, frame, detection.pixels, &self.cylinder, &self.ground)
                     .simplified(self.config.estimator.simplify_m)
                     .limited(self.max_vertices(), &self.ground);
-            // X^t, of which little is left but the car and its shadow.
+            // X^t, which is little more than the car and its shadow.
             let closer = location.minus([clear_ground]);
             let exclusion = exclusion::exclusion(&closer, knowledge.target_distance_m, vertices);
             MeasuredTarget { target: detection.target, location, exclusion }

@@ -16,25 +16,25 @@ use super::pyramid::{ground_corners, top_m};
 use crate::config::AgentConfig;
 use crate::region::Inner;
 
-/// How finely the quality of a margin is graded: grade g stands for an intersection of discs that
-/// contains one of g / `GRADES` of their radius.
+/// Number of grades of the quality of a margin: a margin of grade g is an intersection of discs that contains
+/// a disc of g / `GRADES` of their radius.
 const GRADES: f64 = 8.0;
 
-/// Grades below this are not worth their vertices: discs this small, one per cell, do not join.
+/// Margins below this grade are dropped: such small discs, one per cell, do not overlap.
 const LEAST_GRADE: f64 = 4.0;
 
 /// What the Obstacle pixels of one frame prove.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ObstacleFindings {
-    /// S° (4.12), inner, without what was measured as well before.
+    /// S° (4.12), inner, without parts that were measured as well before.
     pub margin: Inner,
     /// Occupied cells (4.39) that are new or higher than before, each once, by increasing index.
     pub occupied: Vec<OemDelta>,
 }
 
-/// Measures S° and heights, and remembers, on grids, how well it did where. Any subset of the pixels
-/// is sound, so a pixel that would add no better disc than the best one found in its cell is skipped,
-/// and one that cannot be higher than its cell: the work is that of what is new.
+/// Measures S° and heights, and keeps grids of the quality of what was measured. Any subset of the pixels is
+/// sound. So it skips pixels whose disc is no better than the best one of their cell, and pixels that are no
+/// higher than their cell.
 #[derive(Debug, Clone)]
 pub struct MarginSensor {
     grid: Grid,
@@ -51,13 +51,13 @@ pub struct MarginSensor {
 struct Pixel {
     column: u16,
     row: u16,
-    /// Distances that may be behind it, metres.
+    /// The interval of its distance, metres.
     depth_m: [f64; 2],
     /// Unit vector of its centre ray, `world`.
     ray: Vector3<f64>,
 }
 
-/// An Obstacle pixel at a glance: see [`PixelBounds`].
+/// An Obstacle pixel and its bounds: see [`PixelBounds`].
 #[derive(Debug, Clone, Copy)]
 struct BoundedPixel {
     column: u16,
@@ -79,7 +79,7 @@ impl Pixel {
         Self { column, row, depth_m, ray: ray / ray.norm() }
     }
 
-    /// The square of how far from the camera, over the ground, its far end is, m².
+    /// The square of the distance, over the ground, from the camera to its far end, m².
     fn reach_squared(&self) -> f64 {
         (self.ray.x * self.ray.x + self.ray.y * self.ray.y) * self.depth_m[1].powi(2)
     }
@@ -101,7 +101,7 @@ impl MarginSensor {
         }
     }
 
-    /// What `frame` adds.
+    /// What the Obstacle pixels of `frame` prove that was not known before.
     pub fn measure(
         &mut self,
         view: &CameraView,
@@ -132,20 +132,20 @@ impl MarginSensor {
         ObstacleFindings { margin, occupied: raised.into_iter().map(delta).collect() }
     }
 
-    /// Whether [`Self::margin_of`] a pixel may find something.
+    /// Whether [`Self::margin_of`] a pixel may be better than the margin of its cell.
     fn may_improve(&self, bounded: &BoundedPixel) -> bool {
         let best = || usize::try_from(bounded.middle).map_or(0, |cell| self.best_grade[cell]);
         bounded.grade >= LEAST_GRADE as f32 && bounded.grade >= f32::from(best()) + 1.0
     }
 
-    /// Whether [`Self::raise_cell`] may raise one for a pixel.
+    /// Whether [`Self::raise_cell`] may raise the cell of a pixel.
     fn may_raise(&self, bounded: &BoundedPixel) -> bool {
         let height_dm = |cell: usize| f32::from(self.height_dm[cell]);
         usize::try_from(bounded.far_end).map_or(true, |cell| bounded.top_dm > height_dm(cell))
     }
 
-    /// S°(pixel) (4.7): within r_s^to of every point that may have lit the pixel. `None` when it is
-    /// empty or its cell was served as well before.
+    /// S°(pixel) (4.7): the points within r_s^to of every point that may have lit the pixel. `None` when it is
+    /// empty or the margin of its cell is as good.
     fn margin_of(&mut self, view: &CameraView, pixel: &Pixel) -> Option<Ring> {
         let Pixel { column, row, depth_m: [near, far], ray } = *pixel;
         let half_span_m = (far - near) / 2.0 * (ray.x * ray.x + ray.y * ray.y).sqrt();
@@ -155,8 +155,8 @@ impl MarginSensor {
         disc_intersection(&corners, self.radius_m, self.vertices)
     }
 
-    /// The same of the points that are not above seen ground: nearly half of them on a wall whose foot
-    /// is seen, hardly any where its depth was read too short.
+    /// The same, for the points that are not above seen ground. On a wall whose foot is seen these are about
+    /// half of the points, and few where the measured depth is too short.
     fn margin_at_foot(&mut self, view: &CameraView, frame: &Frame, pixel: &Pixel) -> Option<Ring> {
         let [near, far] = pixel.depth_m.map(|depth_m| view.centre_world() + pixel.ray * depth_m);
         let (column, row) = self.grid.cell_of([far.x, far.y])?;
@@ -171,8 +171,8 @@ impl MarginSensor {
         disc_intersection(&corners, self.radius_m, self.vertices)
     }
 
-    /// Notes an intersection of discs about points at most `half_span_m` from `centre`, if it is the
-    /// best in its cell and worth its vertices.
+    /// Notes an intersection of discs about points at most `half_span_m` from `centre`, if its grade is the
+    /// best in its cell and not too low.
     fn improve(&mut self, centre: [f64; 2], half_span_m: f64) -> Option<()> {
         let grade = (1.0 - half_span_m / self.radius_m) * GRADES;
         if grade < LEAST_GRADE {
@@ -188,14 +188,14 @@ impl MarginSensor {
     }
 
     /// The cell under the farthest point that may have lit the pixel's centre (4.38), if the
-    /// greatest height of the pixel's pyramid is greater than what is known of it.
+    /// greatest height of the pixel's pyramid is greater than that of the cell.
     fn raise_cell(&mut self, view: &CameraView, pixel: &Pixel) -> Option<usize> {
         let Pixel { column, row, depth_m: [near, far], ray } = *pixel;
         let farthest = view.centre_world() + ray * far;
         let (c, r) = self.oem_grid.cell_of([farthest.x, farthest.y])?;
         let cell = self.oem_grid.index(c, r);
         let known_dm = &mut self.height_dm[cell];
-        // The corners are within a pixel's width of the centre ray, at either end.
+        // At either end, the corners are within the width of a pixel of the centre ray.
         let ends_z = (ray.z * near).max(ray.z * far) + far / view.focal_px();
         if (view.centre_world().z + ends_z) * 10.0 <= f64::from(*known_dm) {
             return None;
@@ -209,14 +209,14 @@ impl MarginSensor {
     }
 }
 
-/// The pixels that say best where walls are: of each unbroken run of Obstacle pixels in a column of
-/// the image, the one whose far end is nearest.
+/// The pixels that locate walls best: of each unbroken run of Obstacle pixels in a column of the image, the one
+/// whose far end is nearest.
 struct WallPixels<'a> {
     view: &'a CameraView,
     frame: &'a Frame,
-    /// The run at hand in each column.
+    /// The current run of each column.
     runs: Vec<Option<PixelRun>>,
-    /// Those that ended, with their columns.
+    /// The runs that ended, with their columns.
     ended: Vec<(u16, PixelRun)>,
 }
 
@@ -225,7 +225,7 @@ struct WallPixels<'a> {
 struct PixelRun {
     last_row: u16,
     nearest_row: u16,
-    /// Of the nearest, at a glance.
+    /// Of the nearest pixel, approximately.
     reach_squared: f32,
 }
 
@@ -273,7 +273,7 @@ fn span(points: &[[f64; 2]]) -> Option<([f64; 2], f64)> {
     Some((centre, points.iter().map(gap).fold(0.0, f64::max)))
 }
 
-/// Visits the Obstacle pixels, row by row, at a glance.
+/// Visits the Obstacle pixels with their bounds, row by row.
 fn for_each_obstacle_pixel(
     view: &CameraView,
     frame: &Frame,
@@ -287,7 +287,7 @@ fn for_each_obstacle_pixel(
     for (row, (labels, depth)) in (0..model.rows).zip(rows) {
         let parts = labels.chunks(LANES).zip(depth.chunks(LANES));
         for ((labels, depth), start) in parts.zip((0..model.columns).step_by(LANES)) {
-            // All of them: quicker than to stop at the first.
+            // Comparing all of them is faster than stopping at the first one.
             if !labels.iter().fold(false, |any, label| any | (*label == Label::Obstacle)) {
                 continue;
             }

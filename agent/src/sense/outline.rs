@@ -75,7 +75,7 @@ fn walk(mask: &Mask, column: i32, row: i32, walked: &mut [bool]) -> Ring {
         }
         x += STEPS[direction].0;
         y += STEPS[direction].1;
-        // The two pixels ahead, on either side of the line of march.
+        // The two pixels ahead, on either side of the walk.
         let (left, right) = match direction {
             0 => (mask.at(x, y), mask.at(x, y - 1)),
             1 => (mask.at(x - 1, y), mask.at(x, y)),
@@ -106,7 +106,8 @@ fn walk(mask: &Mask, column: i32, row: i32, walked: &mut [bool]) -> Ring {
 /// slanted border becomes its inner chords. The result is contained in the outline where filled by
 /// positive winding; its rings may cross.
 pub fn simplified_inward(outline: &[Ring], tolerance_px: f64) -> Vec<Ring> {
-    // However long: an image is small enough. Meeting points would have to lie on the pixel grid.
+    // The length is unlimited, because an image is small. Meeting points are off: they would not lie on the
+    // grid of pixels.
     let height = tolerance_px * f64::from(UNITS_PER_PX);
     let tolerance = Tolerance { height, length: f64::INFINITY, meet: false };
     outline

@@ -1,70 +1,70 @@
-//! What Obstacle pixels may add at most, at a glance.
+//! Upper bounds on what Obstacle pixels may prove, in single precision.
 //!
-//! In flight nearly every Obstacle pixel adds nothing: its cells were measured as well before. To find
-//! that out exactly takes two roots and a dozen divisions. A glance takes them in single precision and
-//! for many pixels at once, in loops that compile to vector instructions; whoever is left in doubt
-//! looks again exactly, so that the result is the same to the last bit.
+//! In flight nearly every Obstacle pixel proves nothing new: its cells were measured as well before. The exact
+//! computation takes two roots and a dozen divisions per pixel. The bounds are computed in single precision
+//! for many pixels at once, in loops that compile to vector instructions. Only pixels whose bounds do not
+//! decide are computed exactly, so the result is the same to the last bit.
 
 use csat_proto::camera::CameraView;
 use csat_proto::raster::Grid;
 use nalgebra::Vector3;
 
-/// Pixels of a row that are glanced at together.
+/// Pixels of a row whose bounds are computed together.
 pub(super) const LANES: usize = 16;
 
-/// What a length may be wrong by, as a share of the greatest: some thirty roundings.
+/// Bound of the error of a length, as a share of the greatest length: about thirty roundings.
 const DOUBT: f64 = 2e-6;
 
-/// What is the same for all pixels of a frame.
+/// Computes the bounds of the pixels of one frame.
 #[derive(Debug)]
 pub(super) struct PixelBounder {
-    /// Depth steps, metres.
+    /// One step of depth, metres.
     step_m: f32,
-    /// The least and the greatest distance behind a measured one, as shares.
+    /// The least and the greatest true distance, as shares of the measured one.
     shares: [f32; 2],
     /// Grades lost per metre of depth along the ground.
     grades_per_m: f32,
-    /// The greatest grade, and what it may be wrong by.
+    /// The greatest grade plus the bound of its error.
     grades: f32,
     /// The grids of margins and of the OEM.
     places: [GridFromCamera; 2],
-    /// The camera's altitude, and what it may be wrong by, metres.
+    /// The camera's altitude plus the bound of its error, metres.
     z_m: f32,
-    /// What a pixel is wide at a distance of 1.
+    /// The width of a pixel at a distance of 1.
     pixel: f32,
 }
 
-/// A grid as the camera sees it.
+/// A grid in coordinates of the camera.
 #[derive(Debug, Clone, Copy)]
 struct GridFromCamera {
-    /// Where the camera is, in cells.
+    /// The position of the camera, in cells.
     eye: [f32; 2],
     cells_per_m: f32,
     columns: f32,
     rows: f32,
-    /// What a place may be wrong by, in cells.
+    /// Bound of the error of a position, in cells.
     doubt: f32,
 }
 
-/// What a glance says of pixels side by side.
+/// The bounds of pixels side by side.
 #[derive(Debug, Default)]
 pub(super) struct PixelBounds {
-    /// The greatest grade that the margin may have.
+    /// Upper bound of the grade of the margin.
     pub(super) grade: [f32; LANES],
-    /// The index of the cell of the grid of margins under the middle of what may have lit the pixel's
-    /// centre; negative if that is not certain, or none.
+    /// The index of the cell of the grid of margins under the middle of the segment that may have lit the
+    /// pixel's centre; negative if the cell is uncertain or outside.
     pub(super) middle: [i32; LANES],
-    /// The same of the OEM under its far end.
+    /// The index of the cell of the OEM under the far end of that segment; likewise.
     pub(super) far_end: [i32; LANES],
-    /// How high the pixel may reach at most, decimetres.
+    /// Upper bound of the height of the pixel, decimetres.
     pub(super) top_dm: [f32; LANES],
-    /// About the square of how far from the camera, over the ground, its far end is, m².
+    /// Approximate square of the distance, over the ground, from the camera to the far end, m².
     pub(super) reach_squared: [f32; LANES],
 }
 
 impl PixelBounder {
-    /// A glancer at the frame of `view`, for margins of `radius_m` in up to `grades` grades on the first
-    /// of `grids` and heights on the second.
+    /// The bounds of a frame of `view`, for margins of `radius_m` in up to `grades` grades on the first of
+    /// `grids` and heights on the second.
     pub(super) fn new(view: &CameraView, radius_m: f64, grades: f64, grids: [&Grid; 2]) -> Self {
         let model = view.model();
         let centre = view.centre_world();
@@ -82,8 +82,8 @@ impl PixelBounder {
         }
     }
 
-    /// A glance at pixels of depths `depth`; the ray of the first one is `first` and of each further one
-    /// `step` more, `world`.
+    /// The bounds of pixels of depths `depth`. The ray of the first pixel is `first`, and that of each further
+    /// pixel is `step` more, `world`.
     pub(super) fn bounds(
         &self,
         first: &Vector3<f64>,
@@ -126,7 +126,7 @@ impl GridFromCamera {
         }
     }
 
-    /// The index of the cell of a point `from_eye`, metres; negative if it may be another or none.
+    /// The index of the cell of a point `from_eye`, metres; negative if the cell is uncertain or outside.
     fn cell(&self, from_eye: [f32; 2]) -> i32 {
         let [u, v] = [0, 1].map(|axis| self.eye[axis] + from_eye[axis] * self.cells_per_m);
         let [(column, middle_u), (row, middle_v)] = [u, v].map(whole);
@@ -138,10 +138,10 @@ impl GridFromCamera {
     }
 }
 
-/// The whole part of a number up to 2²² that is neither negative nor nearly whole, and the middle between
-/// it and the next: conversion to an integer is not a vector instruction everywhere, this is.
+/// The integer part of a number up to 2²² that is neither negative nor nearly an integer, and that part plus
+/// one half. It compiles to vector instructions on all targets, unlike a conversion to an integer.
 fn whole(x: f32) -> (i32, f32) {
-    // About here numbers are one apart, and their last 22 bits count from here on.
+    // Numbers near this one have a spacing of 1, so that their last 22 bits are the offset from it.
     const HERE: f32 = 1.5 * (1 << 23) as f32;
     let counted = x - 0.5 + HERE;
     ((counted.to_bits() & 0x3f_ffff) as i32, counted - HERE + 0.5)
@@ -168,8 +168,8 @@ mod tests {
         f64::from(rng.next_u32()) / 2f64.powi(32)
     }
 
-    /// Checks a lane of `bounds` against its pixel; how many of its ends are in a cell, and how many
-    /// are certain to be.
+    /// Checks a lane of `bounds` against its pixel. Returns how many of its two cells are certain, and how many
+    /// exist.
     fn check(
         view: &CameraView,
         grids: [&Grid; 2],

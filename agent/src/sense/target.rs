@@ -1,4 +1,4 @@
-//! Where an identified target may be.
+//! The location X^{t,m} of an identified target (4.4).
 
 use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label, PixelBox};
@@ -7,21 +7,20 @@ use csat_proto::region::{GridPoint, Region, Ring, grid_point};
 use super::pyramid::ground_corners;
 use crate::region::{Disc, Outer, turn};
 
-/// The longest run of pixels of one row whose hull is taken at once.
+/// The most pixels of a row that share one hull.
 const MAX_RUN: usize = 16;
-/// Up to so many runs each has a hull of its own.
+/// Up to this many runs, each run has a hull of its own.
 const MAX_HULLS: usize = 160;
-/// The most tiles of the box, along either side, where there are more runs than that.
+/// The most tiles of the box, along either side, for more runs.
 const MAX_TILES: usize = 8;
 
 /// X^{t,m} (4.4), outer: the ground projections of the pyramids of all Target pixels in the box,
 /// dilated by r^t (`cylinder`), in X_g.
 ///
-/// By (3.53) at least one of those pixels shows the target, but not which. Neighbouring pixels of a
-/// row are covered by the convex hull of their pyramids together, which contains each. Dilated, all
-/// hulls of a target overlap, and their union takes time with the square of their number. So a target
-/// seen from so near that it has more than `MAX_HULLS` runs is covered by the hulls of tiles of its box,
-/// a fraction of it wide.
+/// By (3.53) at least one of these pixels shows the target; which one is unknown. Neighbouring pixels of a row
+/// are covered by the common convex hull of their pyramids. All dilated hulls of a target overlap, and the time
+/// of their union is quadratic in their number. So a target with more than `MAX_HULLS` runs, which is seen from
+/// nearby, is covered by the hulls of the tiles of its box.
 pub fn location(
     view: &CameraView,
     frame: &Frame,
@@ -114,8 +113,8 @@ impl<'a> TargetPixels<'a> {
 }
 
 /// The convex hull (counter-clockwise) of points, by Andrew's monotone chain; `None` without points.
-/// Collinear points give a ring without area, which a dilation turns into a set; so that a single
-/// point has an edge to dilate, it becomes a segment of one grid unit.
+/// Collinear points give a ring without area, which a dilation turns into a set. A single point becomes a
+/// segment of one grid unit, so that it has an edge to dilate.
 fn convex_hull(mut points: Vec<GridPoint>) -> Option<Ring> {
     points.sort_unstable_by_key(|p| (p.x, p.y));
     points.dedup();

@@ -9,7 +9,7 @@ use rand::RngExt;
 use crate::oracle::{ROUNDING_M, around, assert_same, boundary_distance_m, overlay, perimeter_m};
 use crate::shapes::{Rng, any_region, cases, region_at, resolved, solid, star};
 
-/// Two regions, mostly overlapping, of like or very unlike size.
+/// Two regions, mostly overlapping, of similar or very different sizes.
 fn any_pair(rng: &mut Rng) -> (Region, Region) {
     let a = any_region(rng);
     let Some(bounds) = a.bounds() else { return (a.clone(), a) };
@@ -81,7 +81,7 @@ fn shortcuts_change_nothing() {
     });
 }
 
-/// The same set on several agents: edges that all but coincide. (With a constant snapping radius
+/// The same set on several agents: edges that nearly coincide. (With a constant snapping radius
 /// case 13 took minutes, ten copies in one overlay took ten seconds and gave 65 000 vertices.)
 #[test]
 fn copies_moved_by_a_unit_neither_hang_nor_explode() {

@@ -9,7 +9,7 @@ use rand::RngExt;
 use crate::oracle::{ROUNDING_M, assert_same, disc_offsets, edges, minkowski_sum, samples};
 use crate::shapes::{Rng, any_region, cases};
 
-/// Larger than anything here.
+/// A region larger than all others of these tests.
 pub fn everywhere() -> Region {
     Region::rectangle([3000.0, 3000.0])
 }

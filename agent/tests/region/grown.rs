@@ -1,4 +1,4 @@
-//! `Grown` is what simplification, dilation and difference are one after the other.
+//! `Grown` gives the same sets as simplification, dilation and difference one after the other.
 
 use csat_agent::region::{Disc, Grown, Inner, Outer, Reach};
 use csat_proto::region::{Region, metres};
@@ -10,7 +10,7 @@ use crate::oracle::{ROUNDING_M, assert_same, excess_m2, minkowski_sum, overlay, 
 use crate::shapes::{Rng, any_region, cases, region_at};
 use crate::simplify::any_tolerance_m;
 
-/// Bounds that many a set sticks out of.
+/// Bounds that many sets exceed.
 fn bounds() -> Region {
     Region::rectangle([900.0, 700.0])
 }
@@ -68,7 +68,7 @@ fn growing_and_cutting_at_once_changes_nothing() {
     });
 }
 
-/// A long reach is gone in stages: a little too far, by no more than a far dilation is.
+/// A long reach is swept in stages; the result exceeds the exact set by no more than that of a far dilation.
 #[test]
 fn growing_far_contains_the_exact_set_and_little_more() {
     cases("growing_far_contains_the_exact_set_and_little_more", 400, |rng| {

@@ -25,7 +25,7 @@ fn a_square_stays_a_small_polygon() {
     }
 }
 
-/// X̄ of a region of interest searched by someone: predict, look somewhere, simplify.
+/// X̄ of a region of interest during a search: predict, remove a seen part, simplify.
 #[test]
 fn a_ragged_set_stays_bounded() {
     let bounds = Region::rectangle([500.0, 500.0]);

@@ -1,4 +1,4 @@
-//! Sets of no more vertices than they may have only went the safe way.
+//! The limit of vertices only grows outer approximations and only shrinks inner ones.
 
 use csat_agent::region::{Inner, Outer};
 use csat_proto::region::{Region, Ring, grid_point};
@@ -11,7 +11,7 @@ fn bounds() -> Region {
     Region::rectangle([900.0, 700.0])
 }
 
-/// Dozens of sets that overlap here and there: islands, holes and notches.
+/// Dozens of sets, some of which overlap: islands, holes and notches.
 fn crowd(rng: &mut Rng) -> Region {
     let rings: Vec<Ring> = (0..rng.random_range(5..60))
         .flat_map(|_| {
@@ -62,7 +62,7 @@ fn what_has_few_vertices_stays_as_it_is() {
     });
 }
 
-/// Details go first: a town with a finely notched border and a yard keeps its yard.
+/// Details are dropped first: a town with a finely notched border and a yard keeps its yard.
 #[test]
 fn little_is_lost_where_little_has_to_be() {
     let notched: Ring = (0..400)

@@ -1,4 +1,4 @@
-//! Input that is valid but extreme does not panic and errs on the safe side.
+//! Extreme valid input does not cause a panic, and the results keep the guarantee.
 
 use csat_agent::region::{Disc, Inner, Outer};
 use csat_proto::region::{MAX_COORDINATE_M, Region, grid_point};

@@ -1,6 +1,6 @@
-//! What `csat_agent::region` promises, against independent formulations, on random sets.
+//! The guarantees of `csat_agent::region`, against independent formulations, on random sets.
 //!
-//! Every test runs seeded cases; a failing one prints the command that replays it alone.
+//! Every test runs seeded cases; a failing case prints the command that replays it alone.
 
 mod boolean;
 mod dilate;

@@ -1,4 +1,4 @@
-//! Slow and independent answers to compare with.
+//! Slow and independent implementations to compare with.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use rand::RngExt;
 
 use crate::shapes::{Rng, solid};
 
-/// What rounding may do to the position of a boundary, metres.
+/// The most by which rounding may move a boundary, metres.
 pub const ROUNDING_M: f64 = 1e-5;
 
 /// An overlay of two regions with the library's own settings.
@@ -152,8 +152,8 @@ pub fn disc_offsets(rng: &mut Rng, radius_m: f64, count: u32) -> Vec<[f64; 2]> {
     std::iter::once([0.0, 0.0]).chain((0..count).map(offset)).collect()
 }
 
-/// Without what rounding may leave: holes and shapes a grid unit or two wide. A later erosion makes
-/// such holes large, a later dilation such shapes.
+/// The region without splinters that rounding may leave: holes and shapes one or two grid units wide. A later
+/// erosion would enlarge such holes, a later dilation such shapes.
 pub fn without_splinters(region: Region) -> Region {
     let splinter = |ring: &Ring| {
         let (area_m2, length_m) = (twice_signed_area(ring), perimeter_of_ring_m(ring));

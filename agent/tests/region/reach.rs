@@ -1,4 +1,4 @@
-//! `dilated_far` and `eroded_far` are the exact operations, a little too far on the safe side.
+//! `dilated_far` and `eroded_far` differ little from the exact operations, and keep the guarantee.
 
 use csat_agent::region::{Disc, Inner, Outer, Reach};
 use csat_proto::region::{Region, grid_point, metres};
@@ -46,7 +46,7 @@ fn a_far_erosion_is_contained_in_the_exact_one_and_little_less() {
     });
 }
 
-/// A comb of 20 000 corners, reached through for a minute: at once this takes gigabytes.
+/// A comb of 20 000 corners with the reach of a minute; in one stage this takes gigabytes.
 #[test]
 fn details_are_gone_before_they_are_swept_far() {
     let tooth = |i: u32| {

@@ -1,4 +1,4 @@
-//! Random regions, from ordinary to nasty.
+//! Random regions, ordinary and degenerate ones.
 
 use std::f64::consts::TAU;
 
@@ -71,7 +71,7 @@ pub fn region_at(rng: &mut Rng, at: [f64; 2], scale_m: f64) -> Region {
             solid(&parts)
         }
         _ => {
-            // Crossing itself all over, pinched at many points.
+            // A ring with many crossings and pinch points.
             let count = rng.random_range(4..14);
             let mut point = || rng.random_range(-1.0..1.0) * scale_m;
             let ring: Ring =
@@ -81,12 +81,12 @@ pub fn region_at(rng: &mut Rng, at: [f64; 2], scale_m: f64) -> Region {
     }
 }
 
-/// Rings to a region: what at least one of them encloses.
+/// The region of the points that at least one ring encloses.
 pub fn solid(rings: &[Ring]) -> Region {
     resolved(rings, FillRule::NonZero)
 }
 
-/// Rings to a region, by the library's own settings.
+/// The region of rings, by the default settings of the library.
 pub fn resolved(rings: &[Ring], fill: FillRule) -> Region {
     Region::from_shapes(Overlay::from_subj(rings).overlay(OverlayRule::Subject, fill))
 }

@@ -1,4 +1,4 @@
-//! Simplification only goes the safe way.
+//! Simplification only grows outer approximations and only shrinks inner ones.
 
 use csat_agent::region::{Inner, Outer};
 use csat_proto::region::{Region, metres};
@@ -8,7 +8,7 @@ use rand::RngExt;
 use crate::oracle::{ROUNDING_M, excess_m2, perimeter_m, samples, without_splinters};
 use crate::shapes::{Rng, any_region, cases, resolved, star};
 
-/// A tolerance from much less than the set's size to about it, metres.
+/// A tolerance from much less than the size of the set up to about its size, metres.
 pub fn any_tolerance_m(rng: &mut Rng, region: &Region) -> f64 {
     let size_m = region.bounds().map_or(1.0, |b| {
         let (min, max) = (metres(b.min), metres(b.max));
@@ -17,7 +17,7 @@ pub fn any_tolerance_m(rng: &mut Rng, region: &Region) -> f64 {
     size_m * 10f64.powf(rng.random_range(-5.0..0.0))
 }
 
-/// What moves may change altogether: triangles of the tolerance's height, a hundred times as long,
+/// The area that moves may change in total: triangles of the height of the tolerance, a hundred times as long,
 /// and rounding along every edge.
 fn allowed_m2(region: &Region, tolerance_m: f64) -> f64 {
     let moves = region.vertex_count() as f64;
@@ -58,7 +58,7 @@ fn an_inner_set_only_shrinks() {
     });
 }
 
-/// Nearly: a dropped vertex may make its ring cross others, and each crossing is a vertex.
+/// Not always: a dropped vertex may make its ring cross others, and each crossing is a vertex.
 #[test]
 fn vertices_become_fewer_until_nothing_changes() {
     cases("vertices_become_fewer_until_nothing_changes", 2000, |rng| {

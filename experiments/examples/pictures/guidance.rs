@@ -3,8 +3,7 @@
 use std::f64::consts::PI;
 
 use csat_agent::agent::SetMembershipAgent;
-use csat_agent::guidance::Planner;
-use csat_agent::guidance::rollout::Motion;
+use csat_agent::guidance::{Motion, Planner};
 use csat_experiments::plot::canvas::{Panel, group, label, round};
 use csat_experiments::plot::{town, uav_colour};
 use csat_experiments::set_membership::layers as known;

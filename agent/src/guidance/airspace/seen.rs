@@ -1,36 +1,36 @@
-//! What the Ground pixels of a frame prove of the airspace before the camera.
+//! The airspace before the camera that the Ground pixels of a frame prove to be free.
 //!
-//! Directions are told by their tangent to the heading, in bins. A run of Ground pixels in a row of the
-//! image shows a segment of the ground, every point of it: all airspace between the camera and it is free.
+//! Directions are binned by the tangent of their angle to the heading. A run of Ground pixels in a row of the
+//! image shows every point of a segment of the ground: all airspace between the camera and the segment is free.
 
 use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
 use csat_proto::model::FLIGHT_CLEARANCE_M;
 use csat_proto::raster::{Grid, Raster};
 
-/// Bins per 1 of tangent.
+/// Bins per unit of the tangent.
 const BINS: f64 = 256.0;
-/// Directions farther to the side than this tangent are left out.
+/// Directions with a greater tangent are left out.
 const MOST: f64 = 4.0;
 
-/// Ground that is seen in all directions of a bin: from and to, metres ahead.
+/// Ground that is seen in all directions of a bin: start and end, metres ahead.
 type GroundSpan = [f64; 2];
 
-/// The farthest and the nearest ground that is seen, direction by direction.
+/// The farthest and the nearest seen ground by direction.
 pub(super) struct SeenGround {
-    /// Below the camera, `world`, metres.
+    /// The point below the camera, `world`, metres.
     nadir: [f64; 2],
-    /// Of the heading.
+    /// Cosine and sine of the heading.
     cos_sin: [f64; 2],
-    /// Airspace at less than this share of the way to ground that is seen is not proven to be free with
-    /// the clearance below.
+    /// Airspace at less than this share of the way to seen ground is not proven to be free down to the clearance
+    /// below.
     least_share: f64,
     far: Vec<GroundSpan>,
     near: Vec<GroundSpan>,
 }
 
 impl SeenGround {
-    /// What `frame` shows through `view`.
+    /// The seen ground of `frame`.
     pub(super) fn through(view: &CameraView, frame: &Frame) -> Self {
         let [x, y, z] = frame.pose.p_world;
         let bins = (2.0 * MOST * BINS) as usize;
@@ -66,7 +66,7 @@ impl SeenGround {
 
     /// Adds a segment of the ground that is seen, from its right to its left end.
     fn add(&mut self, a: [f64; 2], b: [f64; 2]) {
-        // Also false for what is not a number.
+        // Also false for NaN.
         let is_ahead = a[0] > 0.0 && b[0] > 0.0;
         if !is_ahead {
             return;
@@ -75,14 +75,14 @@ impl SeenGround {
         let [from, to] = [a, b].map(|[x, y]| (y / x + MOST) * BINS);
         let bins =
             from.max(0.0).ceil() as usize..(to.max(0.0).floor() as usize).min(self.far.len());
-        // Ahead along the segment in the direction of a tangent.
+        // The distance ahead at which a direction meets the segment.
         let d = [b[0] - a[0], b[1] - a[1]];
         let ahead = |bin: usize| {
             let tangent = bin as f64 / BINS - MOST;
             a[0] + d[0] * (tangent * a[0] - a[1]) / (d[1] - tangent * d[0])
         };
         for bin in bins {
-            // Between two directions it is a monotone function of the tangent.
+            // Between two directions it is monotone in the tangent.
             let (p, q) = (ahead(bin), ahead(bin + 1));
             let span = [p.min(q), p.max(q)];
             if span[0] > self.far[bin][0] {
@@ -94,7 +94,7 @@ impl SeenGround {
         }
     }
 
-    /// Takes the cells that are free all over out of `unknown`.
+    /// Removes the cells that are entirely free from `unknown`.
     pub(super) fn clear_from(&self, unknown: &mut Raster) {
         let grid = *unknown.grid();
         let half_m = grid.cell_m * std::f64::consts::FRAC_1_SQRT_2;
@@ -108,7 +108,7 @@ impl SeenGround {
         }
     }
 
-    /// The rows and columns around all that is seen.
+    /// The rows and columns around all seen ground.
     fn cells(&self, grid: &Grid) -> (std::ops::Range<u32>, std::ops::Range<u32>) {
         let (mut low, mut high) = (self.nadir, self.nadir);
         let seen = self.far.iter().enumerate().filter(|(_, [ahead, _])| *ahead > 0.0);

@@ -1,4 +1,4 @@
-//! Synthetic views: a wall, a street, nothing.
+//! Airspace from synthetic frames: a wall, a street, no obstacle.
 
 use csat_proto::camera::CameraModel;
 use csat_proto::frame::Label;
@@ -13,14 +13,14 @@ use crate::config::Criterion;
 
 const SPEED_M_S: f64 = 5.0;
 
-/// The default agent where buildings are high.
+/// The default agent with buildings higher than it flies.
 fn config() -> AgentConfig {
     let mut config = default_config();
     config.fleet.avoid_buildings = true;
     config
 }
 
-/// A frame in which the ground is seen where `is_seen` says so, at every corner of a pixel.
+/// A frame whose Ground pixels are those with `is_seen` at all corners.
 fn frame(pose: Pose, step: u32, is_seen: impl Fn([f64; 2]) -> bool) -> (CameraView, Frame) {
     let model = CameraModel::default();
     let view = model.at(&pose);
@@ -47,7 +47,7 @@ fn east(x: f64, y: f64) -> Pose {
     Pose::level([x, y, 52.0], 0.0)
 }
 
-/// An agent that has flown east from the launch site to x = `to`, with the ground seen up to a wall.
+/// The airspace of an agent that flew east from the launch site to x = `to` and saw the ground up to a wall.
 fn flown(to: f64, wall: f64) -> Airspace {
     let mut airspace = Airspace::new(&config()).unwrap();
     let mut x = -260.0;
@@ -78,7 +78,7 @@ fn airspace_is_free_from_the_camera_to_the_ground_that_is_seen() {
     assert!(free(-253.0, 200.0) && free(400.0, 0.0), "outside the region nothing stands");
 }
 
-/// Directly before the camera rays to far ground are too high to tell that a roof is 2 m below.
+/// Directly before the camera, rays to far ground are too high to prove the clearance of 2 m below.
 #[test]
 fn free_is_what_has_the_clearance_below() {
     let mut airspace = Airspace { launch_m: None, ..Airspace::new(&config()).unwrap() };
@@ -90,7 +90,7 @@ fn free_is_what_has_the_clearance_below() {
     assert!(!is_free(&airspace, [3.5, 0.0]) && is_free(&airspace, [140.0, 0.0]));
 }
 
-/// The direction of the rays counts, not that of the pixels' rows: a UAV that banks sees aside.
+/// The direction of the rays counts, not that of the rows of pixels: a UAV that banks sees to the side.
 #[test]
 fn every_attitude_is_sound() {
     for (pitch_rad, roll_rad) in [(0.0, 0.5), (0.3, -0.4), (-0.2, 0.1), (0.9, 0.0)] {
@@ -105,7 +105,7 @@ fn every_attitude_is_sound() {
             let inside = x.abs() < 249.0 && y.abs() < 249.0;
             if inside && !airspace.unknown().get(column, row) {
                 assert!(is_seen([x, y]), "{x} {y} is behind the wall");
-                // Some ray to ground beyond it is in the image.
+                // A ray to ground beyond it is in the image.
                 let beyond = (0..2000).map(|i| 1.0 + 0.01 * f64::from(i)).any(|s| {
                     let g = [3.0 + s * (x - 3.0), -8.0 + s * (y + 8.0)];
                     let image = view.project(&Vector3::new(g[0], g[1], 0.0));
@@ -135,7 +135,7 @@ fn the_launch_site_is_of_the_first_life_and_has_room_to_turn() {
         assert_eq!(is_free(&airspace, [-230.0, 10.0]), is_home);
         let oem = Oem::unexplored(config.oem_grid());
         let ways = airspace.ways(&east(-260.0, 0.0), &oem, Step(0));
-        // Outside the region is room, too.
+        // The airspace outside the region is free.
         assert_eq!(ways.is_safe(0.0), is_home);
     }
     let mut straight = self::config();
@@ -143,7 +143,7 @@ fn the_launch_site_is_of_the_first_life_and_has_room_to_turn() {
     assert_eq!(turning_room_m(&straight), f64::INFINITY);
 }
 
-/// Towards a wall a UAV may fly as long as it can turn back, in what it has seen.
+/// A UAV may fly towards a wall as long as it can turn back in seen airspace.
 #[test]
 fn no_increment_leads_where_a_uav_cannot_turn_back() {
     let oem = Oem::unexplored(config().oem_grid());
@@ -158,11 +158,11 @@ fn no_increment_leads_where_a_uav_cannot_turn_back() {
         })
         .last()
         .unwrap();
-    // A block and a circle further on there are 4 m left to the wall.
+    // After another block and a circle 4 m are left to the wall.
     assert!((15.0..30.0).contains(&straight_up_to), "{straight_up_to}");
 }
 
-/// What was a way out stays one: it is flown until something else is safe.
+/// A way out stays one: the UAV flies it until another increment is safe.
 #[test]
 fn a_way_out_is_flown_to_its_end_and_round_and_round() {
     let config = config();
@@ -175,7 +175,7 @@ fn a_way_out_is_flown_to_its_end_and_round_and_round() {
     let motion = Turning::new(&config, &config.guidance.gentlest_first_rad());
     pose = motion.advance(&pose, 0);
     assert!(!airspace.fly(step, behind));
-    // From now on nothing is safe: as if everything was forgotten but what was found.
+    // From now on no increment is safe, and only the way out is left.
     let wide = Airspace { margin_m: 400.0, ..airspace.clone() };
     let closed = airspace.unknown().dilated_disc(FLIGHT_CLEARANCE_M);
     let mut airspace = wide;
@@ -196,14 +196,14 @@ fn a_way_out_is_flown_to_its_end_and_round_and_round() {
     }
 }
 
-/// A decision that was missed makes the way out worthless, and that is said once.
+/// After a missed decision there is no way out, which is reported once.
 #[test]
 fn who_has_no_way_out_flies_what_is_least_bad() {
     let config = config();
     let oem = Oem::unexplored(config.oem_grid());
     let mut airspace = Airspace { launch_m: None, ..Airspace::new(&config).unwrap() };
     let pose = east(-210.0, 0.0);
-    // From the west border: only that way is free.
+    // From the west border only the way to the west is free.
     let west = Pose { yaw_rad: std::f64::consts::PI, ..pose };
     for (pose, turns_back) in [(pose, true), (west, false)] {
         let ways = airspace.ways(&pose, &oem, Step(6));
@@ -215,7 +215,7 @@ fn who_has_no_way_out_flies_what_is_least_bad() {
     assert!(!airspace.fly(Step(12), None), "still lost: said already");
 }
 
-/// Every criterion flies what is safe, and later blocks keep off what is known to stand there.
+/// Every criterion flies safe increments, and later blocks keep clear of known buildings.
 #[test]
 fn plans_keep_to_what_may_be_flown() {
     let all = [Criterion::Str4, Criterion::Circles, Criterion::Lawnmower];
@@ -225,7 +225,7 @@ fn plans_keep_to_what_may_be_flown() {
         config.guidance.criterion = criterion;
         config.guidance.str4.n_mpc = 4;
         let mut scene = Scene::new(&config);
-        // What is wanted lies behind the wall, which the OEM knows.
+        // X^Δ lies behind the wall, which is in the OEM.
         let columns = 150..170;
         (100..150).for_each(|row| scene.wanted.set_run(row, columns.clone()));
         for row in 30..70 {

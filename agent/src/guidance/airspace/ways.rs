@@ -1,4 +1,4 @@
-//! What may be flown at a decision, and how it goes on.
+//! The increments that are safe at a decision, and their ways out.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ use crate::config::AgentConfig;
 use crate::estimate::oem::Oem;
 use crate::mutant::{Mutant, is_on};
 
-/// A smaller increment is no turn, radians.
+/// Smaller increments do not count as turns, radians.
 const LEAST_TURN_RAD: f64 = 0.1;
 /// The most blocks straight ahead before the circle of a way out.
 const MOST_STRAIGHT: usize = 12;
@@ -21,12 +21,12 @@ const MOST_STRAIGHT: usize = 12;
 /// The tightest circles that can be flown.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Circling {
-    /// Indices in U of the sharpest turns, to either side; none without a turn.
+    /// Indexes in U of the sharpest turns, to either side; empty without a turn.
     pub(super) sides: Vec<usize>,
-    /// After so many blocks they go on as they went before.
+    /// The number of blocks after which a circle repeats itself.
     pub(super) blocks: usize,
-    /// How far the flight may be off, metres: what is left of turns that are over, and, if a round is not
-    /// a whole number of blocks, the bulge of a block, by which rounds differ.
+    /// Bound of the error of the flight, metres: turns that have not settled, and, if a round is not a whole
+    /// number of blocks, the bulge of a block, by which rounds differ.
     pub(super) doubt_m: f64,
 }
 
@@ -58,9 +58,9 @@ impl Circling {
 /// Blocks that end in a circle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WayOut {
-    /// Indices in U, the next one last.
+    /// Indexes in U, the next one last.
     ahead: Vec<usize>,
-    /// The circle's.
+    /// The index in U of the turn of the circle.
     side: usize,
 }
 
@@ -72,18 +72,18 @@ impl WayOut {
     }
 }
 
-/// What may be flown at a decision.
+/// The ways from a pose at a decision.
 #[derive(Debug)]
 pub struct Ways<'a> {
     airspace: &'a Airspace,
     pose: Pose,
-    /// Where a UAV may be nearer to a building than it must.
+    /// Where a UAV may be too near to a building.
     closed: Raster,
-    /// The same of what is known to stand there, for blocks that are not flown yet.
+    /// Where it is too near to a known building; for blocks that are not flown yet.
     standing: Raster,
-    /// By increment: what can be flown behind it, if it may be flown.
+    /// By increment: the way out behind it; `None` if the increment is not safe.
     behind: Vec<Option<WayOut>>,
-    /// What was found at the last decision.
+    /// The way out of the last decision.
     way_out: Option<WayOut>,
 }
 
@@ -117,18 +117,18 @@ impl<'a> Ways<'a> {
         ways
     }
 
-    /// Whether any increment may be flown.
+    /// Whether any increment is safe.
     pub fn is_any_safe(&self) -> bool {
         self.behind.iter().any(Option::is_some)
     }
 
-    /// Whether an increment of U may be flown next.
+    /// Whether an increment of U is safe.
     pub fn is_safe(&self, increment_rad: f64) -> bool {
         self.index_of(increment_rad).is_some_and(|index| self.behind[index].is_some())
     }
 
-    /// Whether a block that begins with an increment of U at `pose` meets nothing that is known to stand
-    /// there: a hope for later blocks, no promise.
+    /// Whether a block that begins with an increment of U at `pose` keeps clear of known buildings. It is used for
+    /// later blocks and guarantees nothing.
     pub fn is_open(&self, pose: &Pose, increment_rad: f64) -> bool {
         let index = self.index_of(increment_rad);
         index.is_some_and(|index| self.is_clear(&self.standing, pose, index))
@@ -139,18 +139,18 @@ impl<'a> Ways<'a> {
         is_in(&self.standing, p_world)
     }
 
-    /// What can be flown behind an increment of U that may be flown next.
+    /// The way out behind an increment of U, if the increment is safe.
     pub fn behind(&self, increment_rad: f64) -> Option<WayOut> {
         self.index_of(increment_rad).and_then(|index| self.behind[index].clone())
     }
 
-    /// What can be flown behind the first block of [`Self::retreat`].
+    /// The way out behind the first block of [`Self::retreat`].
     pub fn behind_retreat(&self) -> Option<WayOut> {
         self.way_out.clone().map(|way| way.next().1)
     }
 
-    /// What to fly when no increment is safe: the way out that was found before, which still is one;
-    /// without it, whatever keeps longest from where a building may be.
+    /// The decision when no increment is safe: the way out of the last decision, which is still one; without it,
+    /// the increment that keeps clear longest of places where a building may be.
     pub fn retreat(&self) -> Decision {
         let increments = &self.airspace.increments;
         let mut rest = self.way_out.clone().unwrap_or_else(|| self.least_bad());
@@ -184,7 +184,7 @@ impl<'a> Ways<'a> {
             }
             steps
         };
-        // The first of the best: the gentlest turn.
+        // The first one of the longest, which has the gentlest turn.
         let best = all.min_by_key(|way| std::cmp::Reverse(steps(way)));
         let (first, side) = best.unwrap_or((0, 0));
         WayOut { ahead: vec![first], side }
@@ -198,8 +198,8 @@ impl<'a> Ways<'a> {
         self.airspace.turning.way(pose, increment).all(|p| !is_in(cells, p))
     }
 
-    /// A way out behind an increment, if that may be flown: a circle at once, or after some blocks
-    /// straight ahead, or the same after another turn.
+    /// A way out behind an increment, if its own block is clear: a circle at once, or after some blocks straight
+    /// ahead, or the same after another turn.
     fn find_behind(&self, increment: usize) -> Option<WayOut> {
         let end = self.fly(&self.pose, increment)?;
         if is_on(Mutant::NoWayOutNeeded) {
@@ -213,7 +213,7 @@ impl<'a> Ways<'a> {
         })
     }
 
-    /// A circle at `pose` or straight ahead of it; `flown` leads there.
+    /// A way out with a circle at `pose` or straight ahead of it; `flown` leads to `pose`.
     fn find_ahead(&self, pose: &Pose, flown: Vec<usize>) -> Option<WayOut> {
         let straight = self.index_of(0.0);
         let (mut pose, mut flown) = (*pose, flown);
@@ -228,13 +228,13 @@ impl<'a> Ways<'a> {
         None
     }
 
-    /// The pose at the end of a block, if its way is open.
+    /// The pose at the end of a block, if its way is clear.
     fn fly(&self, pose: &Pose, increment: usize) -> Option<Pose> {
         let is_clear = self.is_clear(&self.closed, pose, increment);
         is_clear.then(|| self.airspace.turning.advance(pose, increment))
     }
 
-    /// The side to which a whole round can be flown from `pose`.
+    /// The side to which a whole circle can be flown from `pose`.
     fn circle_at(&self, pose: &Pose) -> Option<usize> {
         let Circling { sides, blocks, .. } = &self.airspace.circling;
         let round =
