@@ -1,4 +1,4 @@
-//! The process of one agent: the mission that it flies, from the scenario of the world's welcome.
+//! The process of one agent, with the mission that the world's scenario describes.
 
 use csat_mission::engine;
 use csat_netem::link::Links;
@@ -11,25 +11,30 @@ use crate::scenario::Scenario;
 use crate::set_membership::SetMembership;
 use crate::tools::doctor;
 
-/// Drives agent `arguments.id` of the world that answers, until the mission is over. Gives the reason why
-/// it is.
+/// Drives agent `arguments.id` of the world that answers, until the mission is over. Returns the reason
+/// that the world gives.
 ///
 /// # Errors
 /// When the process cannot take part, or not go on.
 pub fn fly(arguments: &AgentArguments) -> Result<String, AgentError> {
     let role = Role::Agent(arguments.id);
-    agent::join(arguments, |session| doctor::why_nobody(session, &arguments.wire, role), take_part)
+    agent::join(
+        arguments,
+        |session| doctor::why_no_world(session, &arguments.wire, role),
+        take_part,
+    )
 }
 
 fn take_part(welcomed: Welcomed<'_>) -> Result<String, AgentError> {
     let scenario: Scenario = toml::from_str(&welcomed.welcome.scenario)
-        .map_err(|error| AgentError::Scenario(error.message().to_owned()))?;
+        .map_err(|error| AgentError::Scenario(error.into()))?;
     let map = welcomed.welcome.map.clone();
     welcomed.fly(Setup {
         mission: SetMembership::new(&scenario),
         period_s: scenario.run.period_s,
         channels: scenario.netem.all_channels().count(),
-        fleet: [scenario.agents.count, scenario.agent_count()],
+        uavs: scenario.agents.count,
+        agents: scenario.agent_count(),
         links: Box::new(move || links(&scenario, map.as_deref())),
     })
 }
@@ -38,7 +43,7 @@ fn take_part(welcomed: Welcomed<'_>) -> Result<String, AgentError> {
 fn links(scenario: &Scenario, map: Option<&str>) -> Result<Links, WorldErrors> {
     let obstruction = if scenario.netem.has_propagation() {
         let mut config = scenario.world_config();
-        // Buildings only: an agent knows neither the cars nor their tracks.
+        // The links need only the buildings: an agent knows neither the cars nor their tracks.
         config.targets.count = 0;
         let world = match map {
             Some(text) => World::from_geojson(&config, text, scenario.seed),
