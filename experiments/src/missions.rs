@@ -151,7 +151,8 @@ impl<M: Offered> Flyable for Entry<M> {
             mission: M::of(&scenario),
             period_s: scenario.run.period_s,
             channels: scenario.netem.all_channels().count(),
-            fleet: [scenario.agents.count, scenario.agent_count()],
+            uavs: scenario.agents.count,
+            agents: scenario.agent_count(),
             links: Box::new(move || scenario.links(map.as_deref())),
         })
     }
@@ -186,6 +187,12 @@ pub fn all() -> Missions {
 /// A mission by its name.
 pub fn find(name: &str) -> Option<&'static dyn Flyable> {
     all().iter().copied().find(|mission| mission.kind().name == name)
+}
+
+/// The names of all missions, for people.
+pub fn names() -> String {
+    let names = all().iter().map(|mission| format!("`{}`", mission.kind().name));
+    names.collect::<Vec<_>>().join(", ")
 }
 
 /// The kind of a mission by its name.

@@ -283,9 +283,9 @@ fn nobody_outlives_a_killed_spawner() {
 
 /// Its world is not there yet, and its patience is long.
 #[test]
-fn an_agent_that_looks_for_its_world_is_on_the_leash() {
+fn an_agent_that_looks_for_its_world_ends_with_its_parent() {
     let (folder, endpoint) = (scratch(), endpoint());
-    let arguments = ["agent", "--leashed", "--id", "0", "--patience", "86400"];
+    let arguments = ["agent", "--end-with-parent", "--id", "0", "--patience", "86400"];
     let mut agent = command(folder.path(), &[&arguments[..], &["--connect", &endpoint]].concat())
         .stdin(Stdio::piped())
         .stderr(Stdio::piped())

@@ -1,4 +1,4 @@
-//! The command lines of a fleet's processes.
+//! Command-line arguments of the processes of a fleet.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -19,21 +19,22 @@ pub struct AgentArguments {
     /// How long to wait for the world and for others before giving up, seconds
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = patience)]
     pub patience: Duration,
-    /// Append what there is to tell to a file, too
+    /// Append the log to a file, too
     #[arg(long, value_name = "FILE")]
     pub log: Option<PathBuf>,
     /// Where to listen and connect.
     #[command(flatten)]
     pub wire: WireArguments,
-    /// End when standard input ends: whoever spawned this process is gone
+    /// End when standard input ends, as it does when the parent process ends
     #[arg(long, hide = true)]
-    pub leashed: bool,
+    pub end_with_parent: bool,
 }
 
 /// How time passes.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct PaceArguments {
-    /// Nobody waits: X simulated seconds pass in a second [default: everybody waits for everybody]
+    /// Pass X simulated seconds in a second, and wait for no process [default: all processes wait for each
+    /// other]
     #[arg(long, value_name = "X", value_parser = speed)]
     pub realtime: Option<f64>,
     /// How long to wait for processes before giving up, seconds
@@ -41,7 +42,7 @@ pub struct PaceArguments {
     pub patience: Duration,
 }
 
-/// A speed of time: finite and positive.
+/// Parses a speed of time: finite and positive.
 ///
 /// # Errors
 /// When it is not.

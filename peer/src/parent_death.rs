@@ -1,7 +1,7 @@
-//! A child holds the end of a pipe as a leash: its standard input.
+//! How a process notices the end of its parent: its standard input is a pipe that the parent holds open.
 
-/// Calls `then` when whoever holds the other end is gone, however it went.
-pub fn when_let_go(then: impl FnOnce() + Send + 'static) {
+/// Calls `then` when standard input ends, as it does however the parent process ends.
+pub fn on_parent_death(then: impl FnOnce() + Send + 'static) {
     std::thread::spawn(move || {
         let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
         then();

@@ -1,8 +1,8 @@
-//! Writing to whoever reads: standard output and standard error, either of which may be closed.
+//! Writing to standard output and standard error, either of which its reader may have closed.
 //!
-//! A reader that has seen enough (`csat keys | head -1`) is no failure: what it does not read is
-//! dropped, the command goes on to its end, and its exit code says what became of it. The macros of
-//! the standard library panic instead, so clippy forbids them here.
+//! A reader that closes its pipe early (`csat keys | head -1`) is no failure: the command drops what it
+//! writes from then on, runs to its end and exits as if all had been read. The macros of the standard
+//! library panic instead, so clippy forbids them here.
 
 use std::io::{self, Write};
 
@@ -14,16 +14,16 @@ macro_rules! tell {
     };
 }
 
-/// What [`tell!`] does.
+/// The function behind [`tell!`].
 pub fn tell(line: std::fmt::Arguments<'_>) {
-    // There is no one left to tell that nothing can be told.
+    // An error has nowhere to go.
     let _ = writeln!(io::stderr(), "{line}");
 }
 
 /// Writes to standard output.
 ///
 /// # Errors
-/// When the system refuses, as when the disk is full; not when the reader is gone.
+/// When the system refuses, as when the disk is full; not when the reader has closed its pipe.
 pub fn say(text: &str) -> io::Result<()> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {

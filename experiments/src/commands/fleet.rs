@@ -46,11 +46,11 @@ pub fn spawn(arguments: &SpawnArguments) -> anyhow::Result<u8> {
 
 /// `csat world`.
 pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
-    let WorldArguments { run, wire, leashed, logs: agents_logs, .. } = arguments;
+    let WorldArguments { run, wire, end_with_parent, logs: agents_logs, .. } = arguments;
     let interrupted = super::interrupted_by_the_user()?;
-    if *leashed {
+    if *end_with_parent {
         let interrupted = interrupted.clone();
-        parent_death::when_let_go(move || interrupted.store(true, Ordering::SeqCst));
+        parent_death::on_parent_death(move || interrupted.store(true, Ordering::SeqCst));
     }
     let options = RunOptions { interrupted };
     let asked = wire;

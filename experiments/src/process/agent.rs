@@ -1,4 +1,4 @@
-//! The process of one agent: the mission that it flies, from the scenario of the world's welcome.
+//! The process of one agent, with the mission that the world's scenario describes.
 
 use csat_peer::agent::{self, AgentError, Welcomed};
 use csat_peer::arguments::AgentArguments;
@@ -8,21 +8,24 @@ use crate::missions;
 use crate::scenario::Scenario;
 use crate::tools::doctor;
 
-/// Drives agent `arguments.id` of the world that answers, until the mission is over. Gives the reason why
-/// it is.
+/// Drives agent `arguments.id` of the world that answers, until the mission is over. Returns the reason
+/// that the world gives.
 ///
 /// # Errors
 /// When the process cannot take part, or not go on.
 pub fn fly(arguments: &AgentArguments) -> Result<String, AgentError> {
     let role = Role::Agent(arguments.id);
-    agent::join(arguments, |session| doctor::why_nobody(session, &arguments.wire, role), take_part)
+    agent::join(
+        arguments,
+        |session| doctor::why_no_world(session, &arguments.wire, role),
+        take_part,
+    )
 }
 
 fn take_part(welcomed: Welcomed<'_>) -> Result<String, AgentError> {
     let scenario = Scenario::from_toml(&welcomed.welcome.scenario)
-        .map_err(|error| AgentError::Scenario(error.message().to_owned()))?;
-    let mission = missions::find(&scenario.mission).ok_or_else(|| {
-        AgentError::Scenario(format!("this program flies no mission `{}`", scenario.mission))
-    })?;
+        .map_err(|error| AgentError::Scenario(error.into()))?;
+    let mission = missions::find(&scenario.mission)
+        .ok_or_else(|| AgentError::Mission(scenario.mission.clone(), missions::names()))?;
     mission.take_part(welcomed, scenario)
 }

@@ -1,11 +1,11 @@
-//! A fleet of processes: the world's, and what starts them all.
+//! The processes of a fleet: the world, the agents, and what starts them all.
 //!
 //! | module | what it is |
 //! |---|---|
-//! | [`world`] | the world's process: town, cars, cameras, monitor, recorder |
+//! | [`world`] | the process of the world: town, cars, cameras, monitor, recorder |
 //! | [`agent`] | the process of one agent |
 //! | [`truth`] | what the world shows to people |
-//! | [`spawn`] | starts the world and the agents, and leaves none behind |
+//! | [`spawn`] | starts the world and the agents, and ends them all |
 
 pub mod agent;
 pub mod spawn;

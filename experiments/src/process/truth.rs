@@ -16,26 +16,27 @@ use csat_mission::documents::Document;
 use csat_mission::mission::{Detail, Mission};
 use csat_mission::style::Style;
 use csat_mission::timing::Stopwatch;
-use csat_peer::agent::mirror::{LEAST_PERIOD, Watched, reply};
+use csat_peer::view::{DocumentPublisher, MIN_PERIOD, reply};
 
 /// The newest document of each name.
 type Newest = Arc<Mutex<BTreeMap<String, Document>>>;
 
-/// Shows what is true, and what the fleet is worth, while a mission is flown.
-pub struct Showcase {
+/// Publishes the truth, and the metrics of the fleet, while a mission is flown.
+pub struct TruthPublisher {
     newest: Newest,
-    targets: Watched,
-    metrics: Watched,
-    lives: Watched,
-    shown: Option<Stopwatch>,
+    targets: DocumentPublisher,
+    metrics: DocumentPublisher,
+    lives: DocumentPublisher,
+    /// Since targets and metrics were published.
+    since: Option<Stopwatch>,
     _queryable: Queryable<()>,
 }
 
-impl Showcase {
-    /// Shows the town and the layers of a mission, and answers queries for documents.
+impl TruthPublisher {
+    /// Publishes the town, the layers and the columns, and answers queries for the newest documents.
     ///
     /// # Errors
-    /// What Zenoh says.
+    /// When Zenoh does not declare a key.
     pub fn declare(
         session: &Session,
         keys: Keys,
@@ -53,19 +54,19 @@ impl Showcase {
             known.values().for_each(|document| reply(&query, keys, document));
         };
         let queryable = session.declare_queryable(keys.of("truth/**")).callback(answer).wait()?;
-        // What does not change is said once; a listener that comes later asks for it.
+        // What does not change is published once; a listener that comes later asks for it.
         let columns = truth::columns(loaded.kind());
         keep(&newest, &columns);
         for document in [&town, &layers, &columns] {
-            Watched::declare(session, keys.of(&document.topic))?.put(document);
+            DocumentPublisher::declare(session, keys.of(&document.topic))?.put(document);
         }
-        let watched = |name| Watched::declare(session, keys.truth(name));
+        let publisher = |name| DocumentPublisher::declare(session, keys.truth(name));
         Ok(Self {
-            targets: watched("targets")?,
-            metrics: watched("metrics")?,
-            lives: watched("lives")?,
+            targets: publisher("targets")?,
+            metrics: publisher("metrics")?,
+            lives: publisher("lives")?,
             newest,
-            shown: None,
+            since: None,
             _queryable: queryable,
         })
     }
@@ -76,7 +77,7 @@ fn keep(newest: &Newest, document: &Document) {
     newest.insert(document.topic.clone(), document.clone());
 }
 
-impl<M: Mission> Audience<M> for Showcase {
+impl<M: Mission> Audience<M> for TruthPublisher {
     fn wants(&mut self, _: Step) -> Detail {
         Detail::Brief
     }
@@ -85,15 +86,15 @@ impl<M: Mission> Audience<M> for Showcase {
         for document in truth::lives(moment.trace, moment.time_s) {
             self.lives.put(&document);
         }
-        if self.shown.is_some_and(|shown| !shown.left(LEAST_PERIOD).is_zero()) {
+        if self.since.is_some_and(|since| !since.left(MIN_PERIOD).is_zero()) {
             return Ok(());
         }
-        self.shown = Some(Stopwatch::start());
+        self.since = Some(Stopwatch::start());
         let documents = [truth::targets(moment), truth::metrics(moment)];
-        for (document, watched) in documents.iter().zip([&self.targets, &self.metrics]) {
+        for (document, publisher) in documents.iter().zip([&self.targets, &self.metrics]) {
             keep(&self.newest, document);
-            if watched.is_wanted() {
-                watched.put(document);
+            if publisher.is_matched() {
+                publisher.put(document);
             }
         }
         Ok(())

@@ -1,26 +1,25 @@
-//! The world's process: town, cars and cameras, and everybody's observer.
+//! The process of the world: town, cars and cameras, and the observers of the agents.
 
-use crate::cli::RunArguments;
-use clap::Args;
-use csat_peer::arguments::PaceArguments;
-use csat_peer::wire::session::WireArguments;
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use clap::Args;
 use csat_proto::control::{PROTOCOL, Pace, Welcome};
 use csat_proto::ids::RunId;
 use csat_proto::keys::Keys;
 use zenoh::{Session, Wait};
 
-use super::truth::Showcase;
+use super::truth::TruthPublisher;
+use crate::cli::RunArguments;
 use crate::flight::{self, Audience, FlightError, RunOptions};
 use crate::missions::Offered;
 use crate::record::{Outcome, RecordError, Recorder};
 use crate::scenario::Loaded;
 use csat_mission::timing::Stopwatch;
+use csat_peer::arguments::PaceArguments;
 use csat_peer::process_number;
-use csat_peer::world::port::Port;
-use csat_peer::world::roster::Roster;
+use csat_peer::wire::session::WireArguments;
 use csat_peer::world::{FleetError, RemoteFleet};
 
 /// `csat world`.
@@ -35,9 +34,9 @@ pub struct WorldArguments {
     /// Where to listen and connect.
     #[command(flatten)]
     pub wire: WireArguments,
-    /// End when standard input ends: whoever spawned this process is gone
+    /// End when standard input ends, as it does when the parent process ends
     #[arg(long, hide = true)]
-    pub leashed: bool,
+    pub end_with_parent: bool,
     /// Agents' processes that end are started again: wait for one when none is left
     #[arg(long, hide = true)]
     pub restarts: bool,
@@ -46,18 +45,23 @@ pub struct WorldArguments {
     pub logs: Option<PathBuf>,
 }
 
-/// How long others are looked for that may fly the run already.
+/// How long the process looks for another world of the same run.
 const LOOK: Duration = Duration::from_secs(2);
-/// How long they may take to answer.
+/// How long that one may take to answer.
 const ANSWER_LIMIT: Duration = Duration::from_millis(300);
 
 /// Why a world's process ended before its mission.
 #[derive(Debug, thiserror::Error)]
 pub enum WorldError {
-    /// Something of Zenoh.
-    #[error("Zenoh: {0}")]
-    Zenoh(String),
-    /// The same run is flown already.
+    /// Zenoh did not do something.
+    #[error("Zenoh cannot {action}")]
+    Zenoh {
+        /// What it was to do.
+        action: &'static str,
+        /// Its answer.
+        source: zenoh::Error,
+    },
+    /// Another world flies the same run.
     #[error(
         "run {run} has a world already at these endpoints; expected another --seed, or that one to end"
     )]
@@ -65,10 +69,10 @@ pub enum WorldError {
         /// The run.
         run: RunId,
     },
-    /// The agents' processes.
+    /// The agents' processes are missing.
     #[error(transparent)]
     Fleet(#[from] FleetError),
-    /// The flight.
+    /// The flight failed.
     #[error(transparent)]
     Flight(#[from] FlightError<FleetError>),
     /// Writing it down.
@@ -76,8 +80,9 @@ pub enum WorldError {
     Record(#[from] RecordError),
 }
 
-fn zenoh_error(error: zenoh::Error) -> WorldError {
-    WorldError::Zenoh(error.to_string())
+/// Makes the error of what Zenoh was to do from its answer.
+fn cannot(action: &'static str) -> impl Fn(zenoh::Error) -> WorldError {
+    move |source| WorldError::Zenoh { action, source }
 }
 
 /// Waits for the agents' processes, flies the mission with them and records it.
@@ -94,12 +99,11 @@ pub fn fly<M: Offered>(
 ) -> Result<Outcome, WorldError> {
     let WorldArguments { pace, wire, restarts, .. } = arguments;
     let keys = Keys(RunId(loaded.scenario.seed));
-    // Who connects to nobody hears of another world only from those who join it.
+    // A world that connects nowhere meets another one only through processes that join it.
     if !wire.connect.is_empty() {
         refuse_twice(session, keys)?;
     }
     let count = usize::from(loaded.scenario.agent_count());
-    let speed = pace.realtime.map_or(Pace::Lockstep, Pace::Realtime);
     let welcome = Welcome {
         protocol: PROTOCOL,
         run: keys.0,
@@ -107,19 +111,19 @@ pub fn fly<M: Offered>(
         name: loaded.name.clone(),
         scenario: loaded.scenario.to_toml(),
         map: loaded.map.as_ref().map(|map| map.text.clone()),
-        pace: speed,
+        pace: pace.realtime.map_or(Pace::Lockstep, Pace::Realtime),
     };
-    let port = Port::declare(session, &welcome, count).map_err(zenoh_error)?;
     let mission = M::of(&loaded.scenario);
-    let roster = Roster::new(welcome, count);
-    let mut fleet = RemoteFleet::new(&mission, port, roster, speed, pace.patience);
+    let mut fleet = RemoteFleet::declare(session, &mission, welcome, count, pace.patience)
+        .map_err(cannot("declare the world's keys"))?;
     if *restarts {
         fleet = fleet.with_restarts(options.interrupted.clone());
     }
-    let mut showcase = Showcase::declare(session, keys, &loaded, M::LAYERS).map_err(zenoh_error)?;
-    let mut audience: Vec<&mut dyn Audience<M>> = vec![&mut showcase, audience];
-    let is_over = || options.interrupted.load(std::sync::atomic::Ordering::SeqCst);
-    let flown = fleet.gather(pace.patience, is_over).map_err(WorldError::from).and_then(|()| {
+    let mut truth = TruthPublisher::declare(session, keys, &loaded, M::LAYERS)
+        .map_err(cannot("declare the world's views"))?;
+    let mut audience: Vec<&mut dyn Audience<M>> = vec![&mut truth, audience];
+    let is_interrupted = || options.interrupted.load(Ordering::SeqCst);
+    let flown = fleet.gather(is_interrupted).map_err(WorldError::from).and_then(|()| {
         Ok(flight::run_fleet(loaded, &mut fleet, options, recorder, &mut audience)?)
     });
     fleet.end(match &flown {
@@ -131,13 +135,13 @@ pub fn fly<M: Offered>(
     flown
 }
 
-/// Two worlds of one run would drive the same agents.
+/// Refuses to fly a run that another world flies: both would drive the same agents.
 fn refuse_twice(session: &Session, keys: Keys) -> Result<(), WorldError> {
     let watch = Stopwatch::start();
-    // A session is open before it is connected.
+    // A session that has just been opened may not be connected yet.
     while !watch.left(LOOK).is_zero() {
         let tokens = session.liveliness().get(keys.alive_world()).timeout(ANSWER_LIMIT).wait();
-        if tokens.map_err(zenoh_error)?.recv().is_ok() {
+        if tokens.map_err(cannot("look for another world"))?.recv().is_ok() {
             return Err(WorldError::Twice { run: keys.0 });
         }
         std::thread::sleep(ANSWER_LIMIT);

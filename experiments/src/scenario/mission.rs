@@ -44,9 +44,8 @@ fn named(sources: &Sources, tree: &mut Table, mistakes: &mut Vec<Mistake>) -> &'
         return mission;
     }
     let known = || missions::all().iter().map(|mission| mission.kind().name);
-    let list: Vec<String> = known().map(|name| format!("`{name}`")).collect();
     let mut mistake = Mistake::new(format!("`mission` cannot be `{name}`"))
-        .expected(format!("one of {}", list.join(", ")))
+        .expected(format!("one of {}", missions::names()))
         .at(Some(sources.place(&node.value)));
     if let Some(guess) = did_you_mean(name, known()) {
         mistake = mistake.help(guess);

@@ -1,72 +1,146 @@
-//! Lockstep: the world announces what everybody said, and the process takes its turn once it holds all of it.
+//! Lockstep: the world announces how many messages all agents have sent, and the process takes its turn
+//! once it holds all of them. The order in which Zenoh delivers them decides nothing.
 
-use csat_proto::control::{Pace, SaidSoFar};
-use csat_proto::time::{SimTime, Step};
+use std::ops::ControlFlow;
+use std::time::Duration;
 
-use super::{AgentError, Shell};
 use csat_mission::mission::Mission;
 use csat_mission::timing::Stopwatch;
+use csat_proto::control::{Order, SaidSoFar};
+use csat_proto::time::{SimTime, Step};
 
-/// A turn that waits for messages.
-pub(super) struct Turn {
-    pub(super) step: Step,
-    pub(super) round: u32,
-    pub(super) now: SimTime,
-    pub(super) said: Vec<SaidSoFar>,
-    pub(super) waiting: Stopwatch,
+use super::AgentError;
+use super::input::{AgentInput, RawFrame, Timer};
+use super::shell::{CurrentStep, Shell};
+use crate::world::report::Scope;
+
+/// A process in lockstep.
+pub(super) struct Lockstep<M: Mission> {
+    shell: Shell<M>,
+    now: CurrentStep,
+    /// The turn of this step that the process has finished, 0 for the frame.
+    round: u32,
+    /// The turn that waits for messages.
+    turn: Option<Turn>,
 }
 
-impl<M: Mission> Shell<M> {
-    pub(super) fn check_patience(&self) -> Result<(), AgentError> {
-        let Some(turn) = &self.turn else { return Ok(()) };
-        let is_over = turn.waiting.left(self.patience).is_zero();
-        match self.queue.lacks(&turn.said, self.id) {
-            Some((from, radio, number)) if is_over => Err(AgentError::Silence {
-                limit_s: self.patience.as_secs(),
-                step: turn.step,
-                from,
-                radio,
-                number,
-            }),
-            _ => Ok(()),
+/// A turn that waits for messages.
+struct Turn {
+    step: Step,
+    round: u32,
+    at: SimTime,
+    said: Vec<SaidSoFar>,
+    since: Stopwatch,
+}
+
+impl<M: Mission> Lockstep<M> {
+    /// The first step begins.
+    pub fn start(shell: Shell<M>, first: &RawFrame) -> Result<Self, AgentError> {
+        let now = CurrentStep::of(&first.header);
+        let mut process = Self { shell, now, round: 0, turn: None };
+        process.begin_step(first)?;
+        process.shell.catch_up(first);
+        Ok(process)
+    }
+
+    /// Handles inputs until the mission is over. Returns the reason that the world gives.
+    pub fn run(mut self) -> Result<String, AgentError> {
+        loop {
+            match self.shell.port.next(self.timer()) {
+                AgentInput::Frame(frame) => self.begin_step(&frame)?,
+                AgentInput::Order(Order::Turn { step, round, now, said }) => {
+                    let since = Stopwatch::start();
+                    self.begin_turn(Turn { step, round, at: now, said, since });
+                }
+                AgentInput::Order(Order::Close { step, full }) => {
+                    self.report(step, Scope::of_step(full));
+                }
+                AgentInput::Order(Order::Show { step }) => self.report(step, Scope::Final),
+                AgentInput::Message(message) => {
+                    self.shell.push(message);
+                    self.try_turn();
+                }
+                AgentInput::Gone(agent) => {
+                    self.shell.lose(agent);
+                    self.try_turn();
+                }
+                AgentInput::Timeout(Timer::Patience) => self.check_turn()?,
+                input => {
+                    if let ControlFlow::Break(reason) = self.shell.handle(input, Some(&self.now))? {
+                        return Ok(reason);
+                    }
+                }
+            }
         }
     }
 
-    /// Lockstep: the world says that a turn is to be taken. The first one that can be next counts.
-    pub(super) fn begin_turn(&mut self, turn: Turn) {
-        // Who does not fly yet hears the orders to those that do.
-        let Some(clock) = self.clock else { return };
-        let is_expected = self.pace == Pace::Lockstep && self.turn.is_none();
-        let is_next = is_expected && (turn.step, turn.round) == (clock.step, self.round + 1);
-        let is_in_step = (clock.time..clock.next).contains(&turn.now);
-        if !(is_next && is_in_step && turn.said.iter().all(|said| said.is_possible(turn.step))) {
-            let reason = format!("turn {} of step {} cannot be next", turn.round, turn.step);
-            self.desk.refusals().count("order", &reason);
+    fn timer(&self) -> Option<(Timer, Duration)> {
+        let turn = self.turn.as_ref()?;
+        Some((Timer::Patience, turn.since.left(self.shell.patience)))
+    }
+
+    /// A turn has waited long enough: a message that it lacks is an error.
+    fn check_turn(&self) -> Result<(), AgentError> {
+        let Some(turn) = &self.turn else { return Ok(()) };
+        let (step, limit_s) = (turn.step, self.shell.patience.as_secs());
+        match self.shell.queue.first_missing(&turn.said, self.shell.id) {
+            Some((from, radio, number)) => {
+                Err(AgentError::MissingMessage { limit_s, step, from, radio, number })
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn begin_step(&mut self, frame: &RawFrame) -> Result<(), AgentError> {
+        self.now = CurrentStep::of(&frame.header);
+        self.round = 0;
+        self.shell.queue.skip(&frame.header.said, self.now.time);
+        self.shell.begin_step(frame)?;
+        self.try_turn();
+        Ok(())
+    }
+
+    /// The world orders a turn. The first order that can be the next one counts.
+    fn begin_turn(&mut self, turn: Turn) {
+        let is_next = self.turn.is_none()
+            && (turn.step, turn.round) == (self.now.step, self.round + 1)
+            && (self.now.time..self.now.next).contains(&turn.at)
+            && turn.said.iter().all(|said| said.is_possible(turn.step));
+        if !is_next {
+            self.shell.refuse_turn(turn.step, turn.round);
             return;
         }
         self.turn = Some(turn);
         self.try_turn();
     }
 
-    /// Lockstep: takes the turn once all that was announced is here.
-    pub(super) fn try_turn(&mut self) {
+    /// Takes the turn that waits, if all messages that the world announced are here.
+    fn try_turn(&mut self) {
         let Some(mut turn) = self.turn.take() else { return };
-        // Those who are gone may have left something unsaid.
-        let lost = &self.lost;
-        turn.said.retain(|said| !lost.contains(&said.agent));
-        if self.queue.lacks(&turn.said, self.id).is_some() {
+        let Self { shell, now, .. } = self;
+        // A process that is gone may have died before it sent all that it announced.
+        turn.said.retain(|said| !shell.gone.contains(&said.agent));
+        if shell.queue.first_missing(&turn.said, shell.id).is_some() {
             self.turn = Some(turn);
             return;
         }
-        for said in self.queue.hear(&turn.said, self.id) {
-            self.node.hear(&said);
+        for said in shell.queue.take(&turn.said, shell.id) {
+            shell.node.hear(&said);
         }
-        if self.node.next_due().is_some_and(|due| due <= turn.now) {
-            self.node.run(turn.now);
-            self.tell();
+        if shell.node.next_due().is_some_and(|due| due <= turn.at) {
+            shell.run(turn.at, now);
         }
-        self.talk(turn.now);
+        shell.talk(turn.at);
+        shell.done(turn.step, turn.round);
         self.round = turn.round;
-        self.answer(turn.step, turn.round);
+    }
+
+    fn report(&mut self, step: Step, scope: Scope) {
+        let Self { shell, now, round, .. } = self;
+        if step == now.step {
+            shell.report(now, *round, scope);
+        } else {
+            shell.refuse_end(step, now);
+        }
     }
 }

@@ -1,5 +1,5 @@
-//! The configuration of a Zenoh session: csat's defaults, what a file says over them, and endpoints that
-//! the user gives.
+//! The configuration of a Zenoh session: csat's defaults, then a file, then the user's endpoints; each
+//! replaces what it names.
 
 use std::path::Path;
 
@@ -7,16 +7,17 @@ use serde_json::{Map, Value, json};
 use zenoh::Config;
 use zenoh::config::EndPoint;
 
-use super::session::{Role, WireArguments, WireError, first_line};
+use super::error::{FileError, WireError};
+use super::session::{Role, WireArguments};
 
-/// Where a world listens and others connect to unless told otherwise: Zenoh's own port.
+/// Where a world listens and where others connect by default: Zenoh's own port.
 pub const DEFAULT_ADDRESS: &str = "127.0.0.1:7447";
 
-/// The protocols that this program speaks.
-pub const BUILT_FOR: &[&str] = if cfg!(feature = "tls") { &["tcp", "tls"] } else { &["tcp"] };
+/// The protocols of endpoints that this build supports.
+const BUILT_FOR: &[&str] = if cfg!(feature = "tls") { &["tcp", "tls"] } else { &["tcp"] };
 
-/// What differs from Zenoh's defaults, measured on loopback with up to 64 processes: found by
-/// gossip, connected again at once, and queues that hold a burst of a whole fleet.
+/// The differences to Zenoh's defaults, measured on loopback with up to 64 processes: discovery by
+/// gossip, immediate reconnection, and queues that hold a burst of a whole fleet.
 fn defaults() -> Value {
     let retry = json!({
         "period_init_ms": 50, "period_max_ms": 200, "period_increase_factor": 1.5,
@@ -37,7 +38,7 @@ fn defaults() -> Value {
 /// The configuration of a session.
 ///
 /// # Errors
-/// When the arguments are none.
+/// When the file or an endpoint is not valid.
 pub fn config(arguments: &WireArguments, role: Role) -> Result<Config, WireError> {
     let WireArguments { connect, listen, zenoh_config } = arguments;
     let file = zenoh_config.as_deref().map(|path| read(path, role)).transpose()?;
@@ -46,33 +47,35 @@ pub fn config(arguments: &WireArguments, role: Role) -> Result<Config, WireError
     if let Some(file) = file {
         merge(&mut all, file);
     }
-    let configured = |all: &Value| {
-        Config::from_json5(&all.to_string()).map_err(|error| WireError::File {
-            path: zenoh_config.clone().unwrap_or_default(),
-            reason: first_line(&error.to_string()),
-        })
-    };
-    // As it is in the file: the endpoints below would hide a mistake.
-    configured(&all)?;
-    for (what, given) in [("connect", connect), ("listen", listen)] {
-        if !given.is_empty() {
-            merge(&mut all, json!({what: {"endpoints": given}}));
-        }
-    }
-    for endpoint in connect.iter().chain(listen) {
-        endpoint.parse::<EndPoint>().map_err(|error| WireError::Endpoint {
-            endpoint: endpoint.clone(),
-            reason: first_line(&error.to_string()),
-        })?;
-    }
-    let mode = all["mode"].as_str().unwrap_or_default();
-    if role != Role::Spectator && mode == "client" {
+    // Without the user's endpoints, which would hide a mistake in those of the file.
+    let mut config = Config::from_json5(&all.to_string()).map_err(|error| WireError::File {
+        path: zenoh_config.clone().unwrap_or_default(),
+        cause: FileError::Config(error),
+    })?;
+    insert(&mut config, "connect/endpoints", connect)?;
+    insert(&mut config, "listen/endpoints", listen)?;
+    if role != Role::Spectator && all["mode"] == "client" {
         return Err(WireError::Mode);
     }
-    configured(&all)
+    Ok(config)
 }
 
-/// Where a process of this role listens and connects unless told otherwise.
+/// Replaces a list of endpoints by the user's, if there are any.
+fn insert(config: &mut Config, key: &str, given: &[String]) -> Result<(), WireError> {
+    for endpoint in given {
+        endpoint
+            .parse::<EndPoint>()
+            .map_err(|error| WireError::Endpoint { endpoint: endpoint.clone(), cause: error })?;
+    }
+    if given.is_empty() {
+        return Ok(());
+    }
+    config
+        .insert_json5(key, &json!(given).to_string())
+        .map_err(|cause| WireError::Endpoint { endpoint: given.join(", "), cause })
+}
+
+/// Where a process of this role listens and connects by default.
 fn endpoints(arguments: &WireArguments, role: Role, scheme: String) -> Value {
     let default = json!([format!("{scheme}/{DEFAULT_ADDRESS}")]);
     let any_port = json!([format!("{scheme}/127.0.0.1:0")]);
@@ -87,7 +90,7 @@ fn endpoints(arguments: &WireArguments, role: Role, scheme: String) -> Value {
     json!({"connect": {"endpoints": connect}, "listen": {"endpoints": listen}})
 }
 
-/// The protocol of default endpoints: TCP, unless the file allows others only.
+/// The protocol of default endpoints: TCP, unless the file allows only others.
 fn scheme_of(file: Option<&Value>) -> String {
     let allowed = file.map(|file| &file["transport"]["link"]["protocols"]);
     let allowed = allowed.and_then(Value::as_array).cloned().unwrap_or_default();
@@ -98,23 +101,24 @@ fn scheme_of(file: Option<&Value>) -> String {
     }
 }
 
-/// The protocol of endpoints unless told otherwise.
+/// The protocol of default endpoints.
 ///
 /// # Errors
-/// When the file is no configuration.
+/// When the file is not valid.
 pub fn scheme(zenoh_config: Option<&Path>) -> Result<String, WireError> {
     let file = zenoh_config.map(|path| read(path, Role::World)).transpose()?;
     Ok(scheme_of(file.as_ref()))
 }
 
-/// What a configuration file says, for a process of this role: `{peer}` in it is its name, `{folder}` where
-/// the file is.
+/// Reads a configuration file for a process of this role. In its strings `{peer}` stands for the name of
+/// the process and `{folder}` for the folder of the file.
 fn read(path: &Path, role: Role) -> Result<Value, WireError> {
-    let wrong = |reason: String| WireError::File { path: path.to_owned(), reason };
-    let text = std::fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
-    let mut file: Value = json5::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+    let wrong = |cause| WireError::File { path: path.to_owned(), cause };
+    let text = std::fs::read_to_string(path).map_err(|error| wrong(FileError::Read(error)))?;
+    let mut file: Value =
+        json5::from_str(&text).map_err(|error| wrong(FileError::Syntax(error)))?;
     if !file.is_object() {
-        return Err(wrong(format!("`{file}` is no object")));
+        return Err(wrong(FileError::NoObject(file)));
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new(".")).display().to_string();
@@ -131,7 +135,7 @@ fn fill_in(value: &mut Value, peer: &str, folder: &str) {
     }
 }
 
-/// Lays `over` over a value: what it does not say stays.
+/// Replaces what `over` names; the rest of the value stays.
 fn merge(value: &mut Value, over: Value) {
     match (value, over) {
         (Value::Object(under), Value::Object(over)) => merge_members(under, over),
@@ -148,10 +152,9 @@ fn merge_members(under: &mut Map<String, Value>, over: Map<String, Value>) {
     }
 }
 
-/// Why this program cannot speak the protocol of an endpoint, if it cannot.
-pub fn unspoken(endpoint: &EndPoint) -> Option<String> {
+/// Why this build cannot use an endpoint: it does not support its protocol. `None` if it does.
+pub fn unsupported(endpoint: &EndPoint) -> Option<String> {
     let protocol = endpoint.protocol();
-    // TLS is spoken over TCP: one that takes connections can be told apart all the same.
     (!BUILT_FOR.contains(&protocol.as_str())).then(|| {
         let built_for = BUILT_FOR.join(" and ");
         format!("{endpoint}: this csat is built for {built_for} only, not for {protocol}")
@@ -189,9 +192,9 @@ mod tests {
         }
     }
 
-    /// One that says nothing of them leaves all defaults: no process listens on other interfaces.
+    /// A file without endpoints leaves the default ones: no process listens on other interfaces.
     #[test]
-    fn a_file_changes_what_it_says_and_nothing_else() {
+    fn a_file_changes_what_it_names_and_nothing_else() {
         let plain = config(&WireArguments::default(), Role::Agent(1)).unwrap();
         let same = of_file("{}", Role::Agent(1)).unwrap();
         let queue = "{transport: {link: {tx: {queue: {size: {data: 4}}}}}}";
@@ -213,6 +216,21 @@ mod tests {
         assert_eq!(get(&plain, "connect/timeout_ms"), json!(-1));
         let listens = of_file("{listen: {endpoints: ['tcp/10.0.0.7:1']}}", Role::World).unwrap();
         assert_eq!(get(&listens, "listen/endpoints"), json!(["tcp/10.0.0.7:1"]));
+    }
+
+    #[test]
+    fn endpoints_of_the_user_replace_all_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("zenoh.json5");
+        std::fs::write(&path, "{connect: {endpoints: {peer: ['tcp/10.0.0.7:1']}}}").unwrap();
+        let arguments = WireArguments {
+            connect: vec!["tcp/10.0.0.8:2".to_owned()],
+            listen: vec!["tcp/10.0.0.9:3".to_owned()],
+            zenoh_config: Some(path),
+        };
+        let config = config(&arguments, Role::Agent(1)).unwrap();
+        assert_eq!(get(&config, "connect/endpoints"), json!(["tcp/10.0.0.8:2"]));
+        assert_eq!(get(&config, "listen/endpoints"), json!(["tcp/10.0.0.9:3"]));
     }
 
     #[test]

@@ -1,9 +1,14 @@
-//! Zenoh: how a process reaches the others.
+//! Zenoh: the session of a process, what it publishes and what it receives.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`config`] | the configuration of a session: defaults, a file, the user's endpoints |
+//! | [`session`] | command-line arguments, roles, opening and closing a session |
 
 pub mod config;
-pub mod hearing;
-pub mod pace;
-pub mod rarely;
-pub mod refusals;
+mod error;
+pub(crate) mod notice;
+pub(crate) mod publish;
+pub(crate) mod receive;
+pub(crate) mod refusals;
 pub mod session;
-pub mod waiting;

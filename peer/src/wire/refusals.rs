@@ -1,4 +1,4 @@
-//! What a process does not believe of what others say: counted, and told now and then.
+//! Samples that a process refuses: counted by kind, some of them logged.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -9,18 +9,17 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Refusals(Arc<Mutex<BTreeMap<String, u64>>>);
 
 impl Refusals {
-    /// Counts one of a kind. The first, second, fourth, eighth... is told, for a flood must not turn into
-    /// another one.
+    /// Counts a refusal, and logs it if [`is_logged`] says so.
     pub fn count(&self, kind: &str, reason: &dyn Display) {
         let mut counts = self.lock();
         let count = counts.entry(kind.to_owned()).or_default();
         *count += 1;
-        if count.is_power_of_two() {
+        if is_logged(*count) {
             tracing::warn!(kind, %reason, times = *count, "refused");
         }
     }
 
-    /// How many of each kind so far.
+    /// How many refusals of each kind there were so far.
     pub fn counts(&self) -> BTreeMap<String, u64> {
         self.lock().clone()
     }
@@ -28,6 +27,12 @@ impl Refusals {
     fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<String, u64>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// Whether the event of this number, from 1, is logged: the first, second, fourth, eighth..., because a
+/// flood of samples must not become a flood of lines.
+pub fn is_logged(number: u64) -> bool {
+    number.is_power_of_two()
 }
 
 /// Adds counts by kind to others.
@@ -50,5 +55,10 @@ mod tests {
         let mut all = BTreeMap::from([("frame".to_owned(), 40)]);
         add(&mut all, &refusals.counts());
         assert_eq!(all, BTreeMap::from([("frame".to_owned(), 42), ("order".to_owned(), 1)]));
+    }
+
+    #[test]
+    fn a_million_events_are_twenty_lines() {
+        assert_eq!((1..=1_000_000).filter(|number| is_logged(*number)).count(), 20);
     }
 }

@@ -1,6 +1,6 @@
-//! Opening a Zenoh session: endpoints given by the user, no multicast, no surprises.
+//! Opening and closing a Zenoh session: the endpoints that the user gives, and no multicast.
 
-use std::net::TcpListener;
+use std::net::{TcpListener, ToSocketAddrs};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -9,7 +9,8 @@ use clap::Args;
 use zenoh::config::EndPoint;
 use zenoh::{Session, Wait};
 
-use super::config::{config, unspoken};
+use super::config::{config, unsupported};
+pub use super::error::{FileError, WireError, first_line};
 
 /// How long closing a session may take.
 const CLOSE_LIMIT: Duration = Duration::from_secs(2);
@@ -32,17 +33,17 @@ pub struct WireArguments {
 /// What a process is to the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// Others connect to it: it listens.
+    /// It listens; others connect to it.
     World,
-    /// It takes part in a run as this UAV: it connects to the world and listens where others find it by
-    /// gossip.
+    /// It takes part in a run as this agent: it connects to the world and listens for other agents,
+    /// which learn its endpoint by gossip.
     Agent(u16),
-    /// It looks on.
+    /// It only subscribes and asks.
     Spectator,
 }
 
 impl Role {
-    /// Its name in configurations that are for every peer, such as the names of certificates.
+    /// Its name in configuration files that all peers share, such as the name of its certificate.
     pub fn peer_name(self) -> String {
         match self {
             Self::World => "world".to_owned(),
@@ -52,93 +53,55 @@ impl Role {
     }
 }
 
-/// Why there is no session.
-#[derive(Debug, thiserror::Error)]
-pub enum WireError {
-    /// The file of `--zenoh-config`.
-    #[error("cannot use the Zenoh configuration `{}`: {reason}\n  = expected JSON5 as in Zenoh's DEFAULT_CONFIG.json5", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What Zenoh says.
-        reason: String,
-    },
-    /// An endpoint.
-    #[error("`{endpoint}` is no Zenoh endpoint: {reason}\n  = expected such as tcp/127.0.0.1:7447")]
-    Endpoint {
-        /// As given.
-        endpoint: String,
-        /// What Zenoh says.
-        reason: String,
-    },
-    /// An endpoint of a protocol that is not built in.
-    #[error(
-        "{0}\n  = expected such as tcp/127.0.0.1:7447; tls/ needs a csat that is built with `--features \
-         tls`, see docs/processes.md"
-    )]
-    Protocol(String),
-    /// The world and its agents are peers.
-    #[error(
-        "the Zenoh configuration makes this process a client, and clients meet routers and peers only\n  \
-         = expected mode: \"peer\", for the world and its agents talk to each other directly"
-    )]
-    Mode,
-    /// The session does not open.
-    #[error(
-        "cannot open a Zenoh session that listens on {listen} and connects to {connect}: {reason}\n  = expected {}",
-        expected(.reason)
-    )]
-    Open {
-        /// Endpoints.
-        listen: String,
-        /// Endpoints.
-        connect: String,
-        /// What Zenoh says.
-        reason: String,
-    },
-}
-
-/// What would do instead of endpoints that cannot be had.
-fn expected(reason: &str) -> &'static str {
-    if ["lookup", "resol", "assign"].iter().any(|word| reason.contains(word)) {
-        "addresses of this computer, or names that it can look up"
-    } else {
-        "free ports; another program, or another fleet, may listen there"
-    }
-}
-
 /// Opens a session.
 ///
 /// # Errors
-/// When the arguments are no configuration or the endpoints cannot be had. That nobody answers at an
-/// endpoint to connect to is no error: Zenoh goes on trying.
+/// When the arguments are not valid or the session cannot listen. An endpoint to connect to that does
+/// not answer is no error: Zenoh goes on trying.
 pub fn open(arguments: &WireArguments, role: Role) -> Result<Session, WireError> {
     let config = config(arguments, role)?;
     let shown = |key: &str| config.get_json(key).unwrap_or_default();
     let (listen, connect) = (shown("listen/endpoints"), shown("connect/endpoints"));
-    for list in [&listen, &connect] {
-        let endpoints: Vec<String> = serde_json::from_str(list).unwrap_or_default();
-        let mut parsed = endpoints.iter().filter_map(|text| text.parse::<EndPoint>().ok());
-        if let Some(reason) = parsed.find_map(|endpoint| unspoken(&endpoint)) {
-            return Err(WireError::Protocol(reason));
-        }
+    let parsed = [&listen, &connect].map(|list| endpoints(list));
+    if let Some(reason) = parsed.iter().flatten().find_map(unsupported) {
+        return Err(WireError::Protocol(reason));
     }
-    zenoh::open(config).wait().map_err(|error| WireError::Open {
-        listen,
-        connect,
-        reason: first_line(&error.to_string()),
+    zenoh::open(config).wait().map_err(|cause| {
+        let [listens, connects] = &parsed;
+        let is_local = listens.iter().all(is_local) && connects.iter().all(is_known);
+        WireError::Open { listen, connect, is_local, cause }
     })
 }
 
-/// Whether this process has stopped listening.
+/// The endpoints of a list in JSON.
+fn endpoints(list: &str) -> Vec<EndPoint> {
+    let endpoints: Vec<String> = serde_json::from_str(list).unwrap_or_default();
+    endpoints.iter().filter_map(|text| text.parse().ok()).collect()
+}
+
+/// Whether an endpoint's address is one of this computer, be its port free or not.
+fn is_local(endpoint: &EndPoint) -> bool {
+    use std::io::ErrorKind::{AddrInUse, PermissionDenied};
+    match TcpListener::bind(endpoint.address().as_str()) {
+        Ok(_) => true,
+        Err(error) => matches!(error.kind(), AddrInUse | PermissionDenied),
+    }
+}
+
+/// Whether an endpoint's address, or its name, can be looked up.
+fn is_known(endpoint: &EndPoint) -> bool {
+    endpoint.address().as_str().to_socket_addrs().is_ok()
+}
+
+/// Whether this process has begun to close its session.
 static CLOSING: AtomicBool = AtomicBool::new(false);
 
-/// Whether this process has stopped listening: what still comes then is nothing to it.
+/// Whether this process has begun to close its session: it ignores samples that still arrive.
 pub fn is_closing() -> bool {
     CLOSING.load(Ordering::Relaxed)
 }
 
-/// This process is about to stop listening.
+/// Notes that this process begins to close its session.
 pub fn stop_listening() {
     CLOSING.store(true, Ordering::Relaxed);
 }
@@ -154,7 +117,7 @@ pub fn close(session: Session) {
     let _ = closed.recv_timeout(CLOSE_LIMIT);
 }
 
-/// Where a session with these arguments connects, for people.
+/// Where a session with these arguments connects, as text for people.
 pub fn shown_endpoints(arguments: &WireArguments, role: Role) -> String {
     let config = config(arguments, role).ok();
     config.and_then(|config| config.get_json("connect/endpoints").ok()).unwrap_or_default()
@@ -168,15 +131,15 @@ pub fn listened(arguments: &WireArguments, role: Role) -> Vec<String> {
 }
 
 impl WireArguments {
-    /// The same, with ports that can be told to others: see [`with_a_port`].
+    /// The same arguments with ports that others can be told: see [`with_a_port`].
     pub fn with_ports(&self) -> Self {
         let listen = self.listen.iter().map(|endpoint| with_a_port(endpoint)).collect();
         Self { listen, ..self.clone() }
     }
 }
 
-/// An endpoint on any free port with a port that is free now, so that it can be told to others; any
-/// other endpoint as it is.
+/// Replaces port 0 of an endpoint, any free port, by a port that is free now, so that others can be told
+/// the endpoint. Returns any other endpoint as it is.
 pub fn with_a_port(endpoint: &str) -> String {
     let free = |address: &str| TcpListener::bind(address).ok()?.local_addr().ok();
     let Some((protocol, address)) = endpoint.split_once('/').filter(|(_, a)| a.ends_with(":0"))
@@ -184,12 +147,6 @@ pub fn with_a_port(endpoint: &str) -> String {
         return endpoint.to_owned();
     };
     free(address).map_or_else(|| endpoint.to_owned(), |free| format!("{protocol}/{free}"))
-}
-
-/// Zenoh's errors go on with where in its source they arose.
-pub fn first_line(text: &str) -> String {
-    let line = text.lines().next().unwrap_or_default();
-    line.split(" at /").next().unwrap_or(line).trim_end_matches('.').to_owned()
 }
 
 #[cfg(test)]
@@ -202,5 +159,19 @@ mod tests {
         assert!(endpoint.starts_with("tcp/127.0.0.1:") && !endpoint.ends_with(":0"), "{endpoint}");
         assert_eq!(with_a_port("tcp/127.0.0.1:7447"), "tcp/127.0.0.1:7447");
         assert_eq!(listened(&WireArguments::default(), Role::World), ["tcp/127.0.0.1:7447"]);
+    }
+
+    #[test]
+    fn the_cause_of_a_refused_endpoint_is_known() {
+        let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+        let taken = format!("tcp/{}", taken.local_addr().unwrap());
+        for (endpoint, local, known) in [
+            (taken.as_str(), true, true),
+            ("tcp/192.0.2.1:7447", false, true),
+            ("tcp/no.such.host.invalid:7447", false, false),
+        ] {
+            let endpoint: EndPoint = endpoint.parse().unwrap();
+            assert_eq!((is_local(&endpoint), is_known(&endpoint)), (local, known), "{endpoint}");
+        }
     }
 }

@@ -1,50 +1,52 @@
-//! Lockstep: turns until nothing is left for the instant; each round waits for everybody.
+//! A step in lockstep: turns until nothing is left to do; after each the world waits for all processes.
 
-use csat_proto::control::Order;
-
-use super::account::Asked;
-use super::{FleetError, Member, RemoteFleet};
 use csat_mission::fleet::Brief;
-use csat_mission::mission::{Detail, Mission};
+use csat_mission::mission::Mission;
+use csat_proto::control::Order;
+use csat_proto::time::SimTime;
+
+use super::error::Awaited;
+use super::member::Member;
+use super::{FleetError, RemoteFleet};
 
 impl<M: Mission> RemoteFleet<M> {
-    /// Turns until nothing is left before the next step.
-    fn settle(&mut self, brief: &Brief) -> Result<(), FleetError> {
+    pub(super) fn fly_lockstep(&mut self, brief: &Brief) -> Result<(), FleetError> {
+        self.send_frames(brief);
+        self.take_turns(brief)?;
+        self.request_reports(brief.detail);
+        self.wait(Awaited::Report(brief.step), |member| member.has_reported)?;
+        self.note_silence(brief, 0.0);
+        Ok(())
+    }
+
+    /// Turns until nothing is left to do before the next step.
+    fn take_turns(&mut self, brief: &Brief) -> Result<(), FleetError> {
         let step = brief.step;
         let finished =
             |round: u32| move |member: &Member<M::Report>| member.done == Some((step, round));
-        self.wait(|| format!("look at their frames of step {step}"), finished(0))?;
-        let (mut now, mut round, mut heard) = (brief.now, 0, Vec::new());
+        self.wait(Awaited::Frames(step), finished(0))?;
+        let (mut now, mut round, mut delivered) = (brief.now, 0, Vec::new());
         loop {
             let said = self.said();
-            // What was said a moment ago may be due at once, which only its receivers know.
-            if said == heard {
-                let present = self.roster.present();
-                let dues = present.filter_map(|agent| self.members[usize::from(agent.0)].due);
-                match dues.min() {
+            // New messages need a turn: only their receivers know whether they are due at once.
+            if said == delivered {
+                match self.next_due() {
                     Some(due) if due < brief.next => now = now.max(due),
                     _ => return Ok(()),
                 }
             }
             round += 1;
-            self.now.round = round;
-            self.port.voice().say(Order::Turn { step, round, now, said: said.clone() });
-            heard = said;
-            self.wait(|| format!("finish turn {round} of step {step}"), finished(round))?;
+            self.expected.round = round;
+            let order = Order::Turn { step, round, now, said: said.clone() };
+            self.port.publishers().order(order);
+            delivered = said;
+            self.wait(Awaited::Turn(step, round), finished(round))?;
         }
     }
 
-    pub(super) fn fly_lockstep(&mut self, brief: &Brief) -> Result<(), FleetError> {
-        self.settle(brief)?;
-        let step = brief.step;
-        self.close(brief.detail);
-        self.wait(|| format!("report on step {step}"), |member| member.is_new)
-    }
-
-    /// Asks for what the step came to.
-    pub(super) fn close(&mut self, detail: Detail) {
-        let full = detail == Detail::Full;
-        self.now.asked = Some(if full { Asked::Full } else { Asked::Brief });
-        self.port.voice().say(Order::Close { step: self.now.step, full });
+    /// When the first agent is to run next.
+    fn next_due(&self) -> Option<SimTime> {
+        let present = self.roster.present();
+        present.filter_map(|agent| self.members[usize::from(agent.0)].due).min()
     }
 }

@@ -1,4 +1,4 @@
-//! The world's Zenoh keys: what it hears from processes and says to them.
+//! The world's Zenoh keys: what it publishes, and its inputs from agents' processes.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Duration;
@@ -7,7 +7,7 @@ use csat_proto::control::{Announcement, Done, FrameHeader, Join, Order, Ready, W
 use csat_proto::frame::Frame;
 use csat_proto::frame_wire;
 use csat_proto::ids::AgentId;
-use csat_proto::keys::{Keys, split, split_agent};
+use csat_proto::keys::{Keys, split_agent};
 use zenoh::bytes::Encoding;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::{Publisher, Subscriber};
@@ -15,49 +15,45 @@ use zenoh::query::{Query, Queryable};
 use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Session, Wait};
 
-use crate::wire::hearing::{json, queueing};
-use crate::wire::pace::congestion_control;
+use crate::wire::publish::{congestion_control, put, put_json, to_json};
+use crate::wire::receive::{QUEUE, bytes, enqueue, json, name};
 use crate::wire::refusals::Refusals;
 
-/// How much may wait to be read: a few rounds of a fleet of hundreds.
-const QUEUE: usize = 16_384;
-
-/// What processes say to the world.
+/// What an agent's process sends to the world.
 #[derive(Debug)]
-pub enum News {
-    /// A process wants to take part.
-    Join(JoinQuery),
-    /// It hears others.
+pub enum WorldInput {
+    /// It asks to take part.
+    Join(JoinRequest),
+    /// It says which others it hears.
     Ready(AgentId, Ready),
-    /// It holds its token.
-    Here(AgentId),
-    /// It is gone.
+    /// Its liveliness token appeared.
+    Alive(AgentId),
+    /// Its liveliness token is gone.
     Gone(AgentId),
-    /// It is done with a frame or a turn.
+    /// Its answer to a frame or a turn.
     Done(AgentId, Done),
-    /// What it tells at the end of a step, encoded.
-    Account(AgentId, Vec<u8>),
+    /// Its report at the end of a step, encoded.
+    Report(AgentId, Vec<u8>),
 }
 
-/// A process wants to take part, and waits for the answer.
+/// A process asks to take part, and waits for the reply.
 #[derive(Debug)]
-pub struct JoinQuery {
-    /// What it says.
+pub struct JoinRequest {
+    /// What it says of itself.
     pub join: Join,
     query: Query,
 }
 
-impl JoinQuery {
-    /// It may.
+impl JoinRequest {
+    /// Lets the process take part.
     pub fn welcome(self, welcome: &Welcome) {
-        let text = serde_json::to_string(welcome).expect("a welcome is JSON");
-        let reply = self.query.reply(Keys(welcome.run).join(self.join.agent), text);
+        let reply = self.query.reply(Keys(welcome.run).join(self.join.agent), to_json(welcome));
         if let Err(error) = reply.encoding(Encoding::APPLICATION_JSON).wait() {
             tracing::warn!(%error, "cannot answer a process");
         }
     }
 
-    /// It may not.
+    /// Refuses the process.
     pub fn refuse(self, reason: &str) {
         tracing::warn!(agent = %self.join.agent, reason, "a process was refused");
         if let Err(error) = self.query.reply_err(reason).encoding(Encoding::TEXT_PLAIN).wait() {
@@ -66,146 +62,145 @@ impl JoinQuery {
     }
 }
 
-/// The world's side of the wire.
-pub struct Port {
-    news: Receiver<News>,
+/// The world's Zenoh keys.
+pub struct WorldPort {
+    inputs: Receiver<WorldInput>,
     refusals: Refusals,
-    voice: Voice,
+    publishers: WorldPublishers,
     _subscribers: Vec<Subscriber<()>>,
     _join: Queryable<()>,
     _token: LivelinessToken,
 }
 
-/// What the world says to processes; threads may share it.
-pub struct Voice {
+/// The world's publishers; threads may share them.
+pub struct WorldPublishers {
     world: u64,
     clock: Publisher<'static>,
+    /// By agent.
     frames: Vec<Publisher<'static>>,
 }
 
-impl Port {
-    /// Declares everything for a fleet of `count` that is told `welcome`.
+impl WorldPort {
+    /// Declares the keys for a fleet of `count` agents.
     ///
     /// # Errors
-    /// What Zenoh says.
+    /// When Zenoh does not declare one.
     pub fn declare(session: &Session, welcome: &Welcome, count: usize) -> zenoh::Result<Self> {
-        let (sender, news) = sync_channel(QUEUE);
-        let (keys, refusals) = (Keys(welcome.run), Refusals::default());
-        let control = congestion_control(welcome.pace);
-        let publish = |key: String| {
-            session.declare_publisher(key).congestion_control(control).express(true).wait()
-        };
-        let subscribe = |key: &str, read: Read| {
-            session
-                .declare_subscriber(keys.of(key))
-                .callback(queueing(&sender, &refusals, of_agent("uav", read)))
-                .wait()
-        };
-        let presence: Read = |agent, sample, _| match sample.kind() {
-            SampleKind::Put => Some(News::Here(agent)),
-            SampleKind::Delete => Some(News::Gone(agent)),
-        };
-        let alive = session
-            .liveliness()
-            .declare_subscriber(keys.of("alive/*"))
-            .callback(queueing(&sender, &refusals, of_agent("alive", presence)))
-            .wait()?;
-        let subscribers = vec![
-            subscribe("uav/*/ready", |agent, s, r| Some(News::Ready(agent, json(s, r)?)))?,
-            subscribe("uav/*/command", |agent, s, r| Some(News::Done(agent, json(s, r)?)))?,
-            subscribe("uav/*/report", |agent, s, _| {
-                Some(News::Account(agent, s.payload().to_bytes().into_owned()))
-            })?,
-            alive,
-        ];
-        let frames = (0..count).map(|index| publish(keys.frame(AgentId(index as u16))));
+        let (queue, inputs) = sync_channel(QUEUE);
+        let refusals = Refusals::default();
+        let keys = Keys(welcome.run);
         Ok(Self {
-            news,
-            refusals,
-            voice: Voice {
-                world: welcome.world,
-                clock: publish(keys.clock())?,
-                frames: frames.collect::<zenoh::Result<_>>()?,
-            },
-            _subscribers: subscribers,
-            _join: session
-                .declare_queryable(keys.of("join/*"))
-                .callback(joining(&sender))
-                .wait()?,
+            _subscribers: subscribe(session, keys, &queue, &refusals)?,
+            publishers: WorldPublishers::declare(session, welcome, count)?,
+            _join: session.declare_queryable(keys.of("join/*")).callback(joining(&queue)).wait()?,
             _token: session.liveliness().declare_token(keys.alive_world()).wait()?,
+            inputs,
+            refusals,
         })
     }
 
-    /// What comes next within `limit`.
-    pub fn next(&self, limit: Duration) -> Option<News> {
-        self.news.recv_timeout(limit).ok()
+    /// The next input, `None` if none comes within `limit`.
+    pub fn next(&self, limit: Duration) -> Option<WorldInput> {
+        self.inputs.recv_timeout(limit).ok()
     }
 
-    /// What is not believed of what comes.
+    /// The samples that this process refused.
     pub fn refusals(&self) -> &Refusals {
         &self.refusals
     }
 
-    /// What the world says.
-    pub fn voice(&self) -> &Voice {
-        &self.voice
+    /// What the world publishes with.
+    pub fn publishers(&self) -> &WorldPublishers {
+        &self.publishers
     }
 }
 
-impl Voice {
-    /// Says something to all processes.
-    pub fn say(&self, order: Order) {
-        let announcement = Announcement { world: self.world, order };
-        let text = serde_json::to_string(&announcement).expect("an order is JSON");
-        put(self.clock.put(text).encoding(Encoding::APPLICATION_JSON));
+impl WorldPublishers {
+    fn declare(session: &Session, welcome: &Welcome, count: usize) -> zenoh::Result<Self> {
+        let (keys, control) = (Keys(welcome.run), congestion_control(welcome.pace));
+        let publish = |key: String| {
+            session.declare_publisher(key).congestion_control(control).express(true).wait()
+        };
+        let frames = (0..count).map(|index| publish(keys.frame(AgentId(index as u16))));
+        Ok(Self {
+            world: welcome.world,
+            frames: frames.collect::<zenoh::Result<_>>()?,
+            clock: publish(keys.clock())?,
+        })
     }
 
-    /// The number that frames bear, too.
+    /// Sends an order to all processes.
+    pub fn order(&self, order: Order) {
+        put_json(&self.clock, &Announcement { world: self.world, order });
+    }
+
+    /// The world's number, which its frames carry as well.
     pub fn world(&self) -> u64 {
         self.world
     }
 
-    /// Sends a frame to an agent; `frame` is `None` while it is down.
+    /// Sends a frame to an agent; `frame` is `None` while the agent is down.
     pub fn frame(&self, agent: AgentId, header: &FrameHeader, frame: Option<&Frame>) {
-        let header = serde_json::to_string(header).expect("a header is JSON");
         let pixels = frame.map(|frame| frame_wire::encode(&frame.labels, &frame.depth));
         let publisher = &self.frames[usize::from(agent.0)];
-        put(publisher.put(pixels.unwrap_or_default()).attachment(header));
+        put(publisher.put(pixels.unwrap_or_default()).attachment(to_json(header)));
     }
 }
 
-fn put(put: zenoh::pubsub::PublisherPutBuilder<'_>) {
-    if let Err(error) = put.wait() {
-        tracing::error!(%error, "cannot publish");
-    }
+fn subscribe(
+    session: &Session,
+    keys: Keys,
+    queue: &SyncSender<WorldInput>,
+    refusals: &Refusals,
+) -> zenoh::Result<Vec<Subscriber<()>>> {
+    let subscribe = |key: &str, read: Read| {
+        session
+            .declare_subscriber(keys.of(key))
+            .callback(enqueue(queue, refusals, of_agent("uav", read)))
+            .wait()
+    };
+    let presence: Read = |agent, sample, _| match sample.kind() {
+        SampleKind::Put => Some(WorldInput::Alive(agent)),
+        SampleKind::Delete => Some(WorldInput::Gone(agent)),
+    };
+    let alive = session
+        .liveliness()
+        .declare_subscriber(keys.of("alive/*"))
+        .callback(enqueue(queue, refusals, of_agent("alive", presence)))
+        .wait()?;
+    Ok(vec![
+        subscribe("uav/*/ready", |agent, s, r| Some(WorldInput::Ready(agent, json(s, r)?)))?,
+        subscribe("uav/*/command", |agent, s, r| Some(WorldInput::Done(agent, json(s, r)?)))?,
+        subscribe("uav/*/report", |agent, s, _| Some(WorldInput::Report(agent, bytes(s))))?,
+        alive,
+    ])
 }
 
 /// Reads a sample of an agent.
-type Read = fn(AgentId, &Sample, &Refusals) -> Option<News>;
+type Read = fn(AgentId, &Sample, &Refusals) -> Option<WorldInput>;
 
-/// Reads what an agent says under a key below `below`; of a pattern of keys nothing is read.
+/// Reads the samples under an agent's key below `below`; refuses those under a pattern of keys.
 fn of_agent(
     below: &'static str,
     read: Read,
-) -> impl Fn(&Sample, &Refusals) -> Option<News> + Send + Sync + 'static {
+) -> impl Fn(&Sample, &Refusals) -> Option<WorldInput> + Send + Sync + 'static {
     move |sample, refusals| {
-        let key = sample.key_expr();
-        let named = split(key.as_str()).and_then(|(_, name)| split_agent(name, below));
-        // The world's own token is no agent's either.
+        let named = name(sample).and_then(|name| split_agent(name, below));
+        // The world's own token names no agent either.
         if named.is_none() && below == "uav" {
-            refusals.count("key", &format!("`{key}` names no agent"));
+            refusals.count("key", &format!("`{}` names no agent", sample.key_expr()));
         }
         read(named?.0, sample, refusals)
     }
 }
 
-fn joining(sender: &SyncSender<News>) -> impl Fn(Query) + Send + Sync + 'static {
-    let sender = sender.clone();
+fn joining(queue: &SyncSender<WorldInput>) -> impl Fn(Query) + Send + Sync + 'static {
+    let queue = queue.clone();
     move |query: Query| {
         let payload = query.payload().map(|payload| payload.to_bytes().into_owned());
         match serde_json::from_slice::<Join>(&payload.unwrap_or_default()) {
             Ok(join) => {
-                let _ = sender.try_send(News::Join(JoinQuery { join, query }));
+                let _ = queue.try_send(WorldInput::Join(JoinRequest { join, query }));
             }
             Err(error) => {
                 let reason = format!("not understood: {error}; expected {{\"protocol\": …}}");
@@ -222,7 +217,7 @@ mod tests {
 
     /// As docs/simulator.md has it.
     #[test]
-    fn an_order_bears_its_world() {
+    fn an_order_carries_its_world() {
         let order = Order::Close { step: Step(7), full: false };
         let text = serde_json::to_string(&Announcement { world: 5, order }).unwrap();
         assert_eq!(text, r#"{"world":5,"order":"close","step":7,"full":false}"#);

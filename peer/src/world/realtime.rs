@@ -1,44 +1,49 @@
-//! Real time: frames and the end of a step come by the clock, and whoever is late is left out.
+//! A step in real time: the world sends frames and asks for reports by the clock, and does not wait.
 
 use std::time::Duration;
 
-use csat_proto::control::Pace;
-
-use super::{CLOSE_SHARE, RemoteFleet, SILENCE_S};
 use csat_mission::fleet::Brief;
 use csat_mission::mission::Mission;
 use csat_mission::timing::Stopwatch;
 
+use super::RemoteFleet;
+
+/// The part of a period after which the world asks for reports.
+const CLOSE_SHARE: f64 = 0.8;
+
+/// A silence of a process that is shorter does not count, seconds of real time.
+const SILENCE_S: f64 = 1.0;
+
 impl<M: Mission> RemoteFleet<M> {
-    /// Until that many periods of real time after the first frame.
-    pub(super) fn pass_time(&mut self, periods: f64, period_s: f64, speed: f64) {
-        let clock = *self.clock.get_or_insert_with(Stopwatch::start);
-        let until = Duration::from_secs_f64((periods * period_s / speed).max(0.0));
+    pub(super) fn fly_realtime(&mut self, brief: &Brief, speed: f64) {
+        let step = f64::from(brief.step.0);
+        let period_s = brief.next.seconds_since(brief.now) / speed;
+        self.pass_time(step * period_s);
+        self.send_frames(brief);
+        self.pass_time((step + CLOSE_SHARE) * period_s);
+        self.request_reports(brief.detail);
+        self.pass_time((step + 1.0) * period_s);
+        self.note_silence(brief, SILENCE_S * speed);
+    }
+
+    /// Takes inputs until so many seconds after the first frame.
+    fn pass_time(&mut self, until_s: f64) {
+        let since_start = *self.since_start.get_or_insert_with(Stopwatch::start);
+        let until = Duration::from_secs_f64(until_s.max(0.0));
         loop {
-            let left = clock.left(until);
+            let left = since_start.left(until);
             if left.is_zero() {
                 return;
             }
-            if let Some(news) = self.port.next(left) {
-                self.take(news);
+            if let Some(input) = self.port.next(left) {
+                self.take(input);
             }
         }
     }
 
-    pub(super) fn fly_realtime(&mut self, brief: &Brief, speed: f64) {
-        let step = f64::from(brief.step.0);
-        let period_s = brief.next.seconds_since(brief.now);
-        self.pass_time(step + CLOSE_SHARE, period_s, speed);
-        self.close(brief.detail);
-        self.pass_time(step + 1.0, period_s, speed);
-    }
-
-    /// Keeps account of who said nothing in a step that is over.
-    pub(super) fn note_silence(&mut self, brief: &Brief) {
-        let least_s = match self.pace {
-            Pace::Lockstep => 0.0,
-            Pace::Realtime(speed) => SILENCE_S * speed,
-        };
+    /// Notes which processes sent nothing in the step that is over, unless the scenario had the agent down;
+    /// a silence of `least_s` simulated seconds or less does not count.
+    pub(super) fn note_silence(&mut self, brief: &Brief, least_s: f64) {
         let span_s = (brief.now.seconds(), brief.next.seconds());
         let members = self.members.iter_mut().zip(&brief.is_down_by_schedule).enumerate();
         for (index, (member, is_down)) in members {

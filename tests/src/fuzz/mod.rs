@@ -7,7 +7,7 @@
 //! | [`snapshot`] | the body of a snapshot | the same |
 //! | [`mod@scenario`] | a scenario file | it is loaded or every mistake is told |
 //! | [`wire::frame`] | a frame's header and pixels | nobody panics; what is accepted survives the way back |
-//! | [`wire::control`] | JSON or an account between world and agents | the same |
+//! | [`wire::control`] | JSON or a report between world and agents | the same |
 //! | [`wire::queue`] | messages and orders in any sequence | each is heard once, and only when announced |
 
 mod moment;

@@ -3,8 +3,7 @@
 use std::collections::BTreeSet;
 
 use csat_experiments::set_membership::report::Report;
-use csat_peer::agent::queue::MessageQueue;
-use csat_peer::world::account::Account;
+use csat_peer::fuzzing::{MessageQueue, RawMessage, StepReport};
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::control::{
     Announcement, Done, FrameHeader, Join, Order, Probe, Ready, SaidSoFar, Welcome,
@@ -64,10 +63,10 @@ pub fn control(bytes: &[u8]) {
     if let Some(Announcement { order: Order::Turn { step, said, .. }, .. }) = json(bytes) {
         let _ = said.iter().all(|said| said.is_possible(step));
     }
-    if let Ok(account) = Account::<Report>::decode(bytes) {
-        let again = account.encode();
-        let twice = Account::<Report>::decode(&again).expect("what it says itself").encode();
-        assert_eq!(again, twice, "an account changes");
+    if let Ok(report) = StepReport::<Report>::decode(bytes) {
+        let again = report.encode();
+        let twice = StepReport::<Report>::decode(&again).expect("what it says itself").encode();
+        assert_eq!(again, twice, "a report changes");
     }
 }
 
@@ -103,8 +102,8 @@ pub fn queue(bytes: &[u8]) {
                 queue.skip(&[said], SimTime(number));
                 Vec::new()
             }
-            1 if queue.lacks(std::slice::from_ref(&said), own).is_none() => {
-                let got = queue.hear(std::slice::from_ref(&said), own);
+            1 if queue.first_missing(std::slice::from_ref(&said), own).is_none() => {
+                let got = queue.take(std::slice::from_ref(&said), own);
                 let is_announced = |one: &csat_mission::node::Said| {
                     let next = said.next.get(usize::from(one.channel.0));
                     one.src == agent && next.is_some_and(|next| one.sequence < *next)
@@ -112,13 +111,14 @@ pub fn queue(bytes: &[u8]) {
                 assert!(got.iter().all(is_announced), "heard without a word: {got:?}");
                 got
             }
-            2 => queue.hear_all(),
+            2 => queue.take_all(),
             _ => {
                 let sequence = if what & 0x80 == 0 { number } else { u64::MAX - number };
                 let bytes = message(agent, incarnation, channel, sequence);
                 let newest = (what & 0x40 == 0).then_some(Step(0));
                 let physical = (what & 0x20 == 0).then_some(PhysicalHeader { p_world: [0.0; 3] });
-                let _ = queue.take(AgentId(u16::from(life % 5)), physical, bytes, newest);
+                let key = AgentId(u16::from(life % 5));
+                let _ = queue.push(RawMessage { key, physical, bytes }, newest);
                 Vec::new()
             }
         };

@@ -17,9 +17,8 @@ pub const LOCKED_OUT: &str = "whoever takes the connection is no Zenoh that lets
                               peers only)";
 
 /// A session that does not open.
-pub fn unopened(error: &str) -> Finding {
-    let (text, advice) = error.split_once("\n  = ").unwrap_or((error, "expected free ports"));
-    Finding::problem("session", text).advice(advice)
+pub fn unopened(problem: &str, advice: &str) -> Finding {
+    Finding::problem("session", problem).advice(advice)
 }
 
 /// A session that is open. It `is_hopeless` when nobody takes connections.

@@ -161,7 +161,7 @@ pub fn examine(
     let session = match session::open(&arguments.wire, Role::Spectator) {
         Ok(session) => session,
         Err(error @ (WireError::Open { .. } | WireError::Protocol(_))) => {
-            examination.found([judge::unopened(&error.to_string())]);
+            examination.found([judge::unopened(&error.problem(), error.advice())]);
             return Ok(examination.diagnosis);
         }
         Err(error) => return Err(error.into()),
@@ -185,8 +185,8 @@ pub fn examine(
     Ok(examination.diagnosis)
 }
 
-/// What came of connecting, in a line for each endpoint, for a process that nobody answers.
-pub fn why_nobody(session: &Session, wire: &WireArguments, role: Role) -> String {
+/// Explains to a process why no world answers: what came of connecting, in a line for each endpoint.
+pub fn why_no_world(session: &Session, wire: &WireArguments, role: Role) -> String {
     let places = config(wire, role).map(|config| Places::of(&config)).unwrap_or_default();
     let reached = places.reach();
     let mut lines: Vec<String> = reached.findings.iter().map(|f| f.text.clone()).collect();

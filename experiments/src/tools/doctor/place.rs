@@ -9,7 +9,7 @@ use zenoh::Config;
 use zenoh::config::EndPoint;
 
 use super::finding::Finding;
-use csat_peer::wire::config::unspoken;
+use csat_peer::wire::config::unsupported;
 
 /// How long a connection may take.
 const LIMIT: Duration = Duration::from_secs(1);
@@ -111,7 +111,7 @@ fn try_one(endpoint: &str) -> Finding {
         Ok(parsed) => parsed,
         Err(error) => return Finding::problem("endpoint", format!("{endpoint}: {error}")),
     };
-    if let Some(text) = unspoken(&parsed) {
+    if let Some(text) = unsupported(&parsed) {
         return Finding::problem("endpoint", text).advice("expected such as tcp/127.0.0.1:7447");
     }
     match connect(parsed.address().as_str()) {

@@ -104,7 +104,7 @@ fn sessions_without_others_are_problems() {
     assert!(alone.ends_with("no endpoint takes connections, see above"), "{alone}");
     assert!(other_tools(&places).text.contains("--connect tcp/a:1 subscribe"));
     assert!(other_tools(&Places::default()).text.contains("--connect tcp/HOST:PORT"));
-    let finding = unopened("cannot open\n  = expected others").to_string();
+    let finding = unopened("cannot open", "expected others").to_string();
     assert!(finding.ends_with("cannot open\n  = expected others"), "{finding}");
     assert_eq!(missed(0), None);
     assert!(missed(2).unwrap().text.starts_with("2 samples"));

@@ -1,20 +1,20 @@
-//! Which frames an agent's process believes to be its world's next ones.
+//! Which frames an agent's process takes for its world's next ones.
 //!
-//! Zenoh does not tell who sent a sample. Frames and orders bear their world's number, which keeps out
-//! another world of the same run and what was said in an earlier one; and a frame must be one that can
-//! come now, so that no single frame takes an agent out of its fleet's time.
+//! Zenoh does not tell who sent a sample. Frames and orders carry the number of their world, which
+//! excludes those of another world of the same run, or of an earlier one; and the step of a frame must be
+//! possible now, so that no single frame moves the agent out of its fleet's time.
 
 use csat_proto::control::{Pace, Welcome};
 use csat_proto::time::Step;
 
 use csat_mission::timing::Stopwatch;
 
-/// In real time, how late the first frame may have come: later ones may seem to be early by so much, seconds.
+/// In real time, how late the first frame may have come: later ones may seem that early, seconds.
 const MAX_LATE_S: f64 = 10.0;
 
-/// The way in for frames.
+/// Admits frames of one world, or refuses them.
 #[derive(Debug)]
-pub struct Gate {
+pub struct FrameGate {
     world: u64,
     /// In real time, how many steps there are in a second.
     steps_per_s: Option<f64>,
@@ -22,15 +22,15 @@ pub struct Gate {
     newest: Option<Step>,
 }
 
-/// Why a frame is refused.
+/// Why a frame, or an order, is refused.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum GateError {
-    /// Another world's.
+pub enum FrameGateError {
+    /// Another world sent it.
     #[error("it is of world {got}, expected {expected}")]
     World {
-        /// Whose it is.
+        /// The world of the sample.
         got: u64,
-        /// Whose it should be.
+        /// The world of this process.
         expected: u64,
     },
     /// Its step is not after that of the frame before.
@@ -41,20 +41,20 @@ pub enum GateError {
         /// That of the frame before.
         last: Step,
     },
-    /// It is not time for its step.
+    /// Its step has not begun yet.
     #[error("step {step} after step {last}, expected {furthest} at most")]
     Early {
         /// k.
         step: Step,
         /// That of the frame before.
         last: Step,
-        /// The furthest that can be now.
+        /// The last step that can have begun.
         furthest: u32,
     },
 }
 
-impl Gate {
-    /// For frames of the world that says `welcome` to a mission with this period.
+impl FrameGate {
+    /// A gate for frames of the world of `welcome`, in a mission of this period.
     pub fn new(welcome: &Welcome, period_s: f64) -> Self {
         let steps_per_s = match welcome.pace {
             Pace::Lockstep => None,
@@ -63,21 +63,26 @@ impl Gate {
         Self { world: welcome.world, steps_per_s, first: None, newest: None }
     }
 
-    /// Lets a frame in that can be the next one. In lockstep none may be left out; in real time some get
-    /// lost, but none comes before its time.
+    /// Admits a frame that can be the next one. In lockstep no step is left out; in real time some frames
+    /// get lost, but none comes before its time.
     ///
     /// # Errors
-    /// When it cannot.
-    pub fn admit(&mut self, world: u64, step: Step) -> Result<(), GateError> {
+    /// When it cannot be the next one.
+    pub fn admit(&mut self, world: u64, step: Step) -> Result<(), FrameGateError> {
         let elapsed_s = self.first.map_or(0.0, |(_, since)| since.elapsed_s());
         self.admit_after(world, step, elapsed_s)
     }
 
-    fn admit_after(&mut self, world: u64, step: Step, elapsed_s: f64) -> Result<(), GateError> {
+    fn admit_after(
+        &mut self,
+        world: u64,
+        step: Step,
+        elapsed_s: f64,
+    ) -> Result<(), FrameGateError> {
         self.check_world(world)?;
         if let (Some(last), Some((first, _))) = (self.newest, self.first) {
             if step <= last {
-                return Err(GateError::Backwards { step, last });
+                return Err(FrameGateError::Backwards { step, last });
             }
             let furthest = match self.steps_per_s {
                 None => last.0.saturating_add(1),
@@ -87,7 +92,7 @@ impl Gate {
                 }
             };
             if step.0 > furthest {
-                return Err(GateError::Early { step, last, furthest });
+                return Err(FrameGateError::Early { step, last, furthest });
             }
         }
         self.first.get_or_insert_with(|| (step, Stopwatch::start()));
@@ -95,18 +100,29 @@ impl Gate {
         Ok(())
     }
 
-    /// Whether something is of the world that this process takes part in.
+    /// Checks that a sample is of the world of this process.
     ///
     /// # Errors
     /// When it is not.
-    pub fn check_world(&self, got: u64) -> Result<(), GateError> {
+    pub fn check_world(&self, got: u64) -> Result<(), FrameGateError> {
         let expected = self.world;
-        if got == expected { Ok(()) } else { Err(GateError::World { got, expected }) }
+        if got == expected { Ok(()) } else { Err(FrameGateError::World { got, expected }) }
     }
 
-    /// The step of the newest frame that was let in.
+    /// The step of the newest frame that was admitted.
     pub fn newest(&self) -> Option<Step> {
         self.newest
+    }
+
+    /// The same in lockstep; `None` in real time, where other agents may be far ahead of a slow process.
+    pub fn newest_in_lockstep(&self) -> Option<Step> {
+        self.newest.filter(|_| self.steps_per_s.is_none())
+    }
+
+    /// Whether a newer frame than that of `step` makes it useless: in real time no agent waits for a slow
+    /// one, which looks at its newest frame only.
+    pub fn is_outdated(&self, step: Step) -> bool {
+        self.steps_per_s.is_some() && self.newest > Some(step)
     }
 }
 
@@ -116,16 +132,16 @@ mod tests {
     use csat_proto::control::PROTOCOL;
     use csat_proto::ids::RunId;
 
-    fn gate(pace: Pace) -> Gate {
+    fn gate(pace: Pace) -> FrameGate {
         let (name, scenario) = (String::new(), String::new());
         let (protocol, run) = (PROTOCOL, RunId(1));
-        Gate::new(&Welcome { protocol, run, world: 9, name, scenario, map: None, pace }, 0.5)
+        FrameGate::new(&Welcome { protocol, run, world: 9, name, scenario, map: None, pace }, 0.5)
     }
 
     #[test]
     fn in_lockstep_each_step_comes_once_and_none_is_left_out() {
         let mut gate = gate(Pace::Lockstep);
-        // Who joins late begins in the middle.
+        // A process that joins late begins in the middle.
         assert_eq!(gate.admit(9, Step(40)), Ok(()));
         assert_eq!(gate.admit(9, Step(41)), Ok(()));
         let error = gate.admit(9, Step(43)).unwrap_err();
@@ -136,7 +152,8 @@ mod tests {
         assert_eq!(error.to_string(), "it is of world 8, expected 9");
         assert!(gate.admit(9, Step(u32::MAX)).is_err());
         assert_eq!(gate.admit(9, Step(42)), Ok(()));
-        assert_eq!(gate.newest(), Some(Step(42)));
+        assert_eq!(gate.newest_in_lockstep(), Some(Step(42)));
+        assert!(!gate.is_outdated(Step(41)));
     }
 
     #[test]
@@ -147,5 +164,6 @@ mod tests {
         assert_eq!(gate.admit_after(9, Step(20), 1.0), Ok(()));
         assert!(gate.admit_after(9, Step(93), 1.0).is_err());
         assert!(gate.admit_after(9, Step(u32::MAX), 1e9).is_ok(), "after a hundred years");
+        assert!(gate.is_outdated(Step(20)) && gate.newest_in_lockstep().is_none());
     }
 }

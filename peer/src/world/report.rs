@@ -1,4 +1,4 @@
-//! What an agent's process tells the world at the end of a step: a [`Flown`] on the wire.
+//! The report of an agent's process at the end of a step: a [`Flown`] on the wire.
 
 use std::collections::BTreeMap;
 
@@ -15,44 +15,44 @@ use csat_mission::fleet::{Flown, Passage};
 use csat_mission::mission::{Detail, Mission};
 use csat_mission::timing::StageTimes;
 
-/// What an agent's process tells at the end of a step; `R` is the mission's report.
+/// The report of an agent's process at the end of a step; `R` is the mission's report.
 #[derive(Debug, Serialize, Deserialize)]
-pub struct Account<R> {
-    /// Whose, and of what.
-    pub head: Head,
+pub struct StepReport<R> {
+    /// Who reports, and on what.
+    pub header: ReportHeader,
     /// The hash of the agent's state; 0 while it is down.
     pub digest: u64,
-    /// What it knows; `None` while it is down, but for [`Asked::All`].
+    /// What the agent knows; `None` while it is down, except in a [`Scope::Final`] report.
     pub report: Option<R>,
     times: StageTimes,
     bytes_sent: u64,
-    /// What the links to it did so far.
+    /// What the links to the agent did so far.
     pub counters: Counters,
     /// The same, by link.
     pub links: Vec<(LinkId, LinkCounters)>,
-    told: StepTold,
+    log: StepLog,
 }
 
-/// What a process tells of itself.
+/// Who reports, and on what.
 #[derive(Debug, Serialize, Deserialize)]
-pub struct Head {
-    /// Which process.
+pub struct ReportHeader {
+    /// The process that reports.
     pub process: u64,
-    /// Of which step.
+    /// The step that it reports on.
     pub step: Step,
-    /// After which turn; 0 in real time.
+    /// The turn that it finished last; 0 in real time.
     pub round: u32,
-    /// What it was asked for.
-    pub asked: Asked,
-    /// How many frames it looked at so far.
-    pub looked: u64,
-    /// What it did not believe of what others said, by kind.
+    /// What the world asked for.
+    pub scope: Scope,
+    /// How many frames the process handed to its agent so far.
+    pub frames: u64,
+    /// How many samples the process refused so far, by kind.
     pub refused: BTreeMap<String, u64>,
 }
 
-/// What an agent reported in a step, and what became of messages to it, up to now.
+/// The events of an agent in a step, and the fates of messages to it.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub struct StepTold {
+pub struct StepLog {
     /// Each as JSON.
     events: Vec<String>,
     /// In the order of sending.
@@ -61,30 +61,35 @@ pub struct StepTold {
 
 /// What the world asks of agents at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Asked {
+pub enum Scope {
     /// What the monitor and the metrics need.
     Brief,
     /// Maps, too.
     Full,
-    /// At the end of the mission: maps, too, and also of those that are down.
-    All,
+    /// At the end of the mission: maps, too, also of agents that are down.
+    Final,
 }
 
-impl Asked {
-    /// How much that is.
+impl Scope {
+    /// The scope of a report at the end of a step.
+    pub fn of_step(full: bool) -> Self {
+        if full { Self::Full } else { Self::Brief }
+    }
+
+    /// The detail of the mission's report.
     pub fn detail(self) -> Detail {
         if self == Self::Brief { Detail::Brief } else { Detail::Full }
     }
 }
 
-impl StepTold {
+impl StepLog {
     /// Another step begins.
     pub fn clear(&mut self) {
         self.events.clear();
         self.passages.clear();
     }
 
-    /// Adds what happened since it was asked last.
+    /// Adds what happened since the last call.
     pub fn add<M: Mission>(&mut self, flown: &Flown<M>) {
         let events = flown.events.iter();
         self.events.extend(events.filter_map(|event| serde_json::to_string(event).ok()));
@@ -92,45 +97,45 @@ impl StepTold {
     }
 }
 
-impl<R: Serialize + DeserializeOwned> Account<R> {
-    /// What `flown` says, for the wire, with all that was told in this step. Commands have been told
-    /// already.
+impl<R: Serialize + DeserializeOwned> StepReport<R> {
+    /// The report of `flown`, with the log of the whole step. It has no commands: the process sent them
+    /// with its answers.
     pub fn new<M: Mission<Report = R>>(
-        head: Head,
+        header: ReportHeader,
         flown: Flown<M>,
-        told: &StepTold,
+        log: &StepLog,
         links: &Links,
     ) -> Self {
         Self {
-            head,
+            header,
             digest: flown.digest,
             report: flown.report,
             times: flown.times,
             bytes_sent: flown.bytes_sent,
             counters: links.counters().clone(),
             links: links.per_link().map(|(id, counters)| (id, counters.clone())).collect(),
-            told: told.clone(),
+            log: log.clone(),
         }
     }
 
-    /// On the wire: postcard.
+    /// The report as postcard.
     pub fn encode(&self) -> Vec<u8> {
-        postcard::to_stdvec(self).expect("an account always serialises")
+        postcard::to_stdvec(self).expect("a report has a postcard form")
     }
 
     /// The inverse of [`Self::encode`].
     ///
     /// # Errors
-    /// When the bytes are no account of this version.
+    /// When the bytes are no report of this version.
     pub fn decode(bytes: &[u8]) -> Result<Self, postcard::Error> {
         postcard::from_bytes(bytes)
     }
 
-    /// What it says of the step. The report goes along: another call finds none.
+    /// What the report says of the step. It moves the mission's report out: another call returns none.
     pub fn flown<M: Mission<Report = R>>(&mut self, agent: AgentId) -> Flown<M> {
         type Event<M> = <<M as Mission>::Agent as Agent>::Event;
         let event = |text: &String| serde_json::from_str::<Event<M>>(text).ok();
-        let StepTold { events, passages } = std::mem::take(&mut self.told);
+        let StepLog { events, passages } = std::mem::take(&mut self.log);
         let passage = |(sent, fate)| Passage { sent, bytes: [].into(), fate };
         Flown {
             agent,

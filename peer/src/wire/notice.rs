@@ -1,28 +1,28 @@
-//! What a process waits for, told on standard error while it waits: after five seconds, and whenever
-//! it has waited twice as long as when it last said so.
+//! Notices of a process that waits: on standard error after five seconds, and again whenever it has
+//! waited twice as long as at the last notice.
 
 use std::time::Duration;
 
 use crate::tell;
 use csat_mission::timing::Stopwatch;
 
-/// How long a process waits before it says so: shorter waits are part of any start.
+/// How long a process waits before the first notice: shorter waits are part of every start.
 const FIRST: Duration = Duration::from_secs(5);
 
-/// A process that waits.
+/// The notices of one wait.
 #[derive(Debug)]
-pub struct Waiting {
+pub struct WaitNotice {
     since: Stopwatch,
     next: Duration,
 }
 
-impl Waiting {
-    /// Begins to wait.
+impl WaitNotice {
+    /// The wait begins.
     pub fn start() -> Self {
         Self { since: Stopwatch::start(), next: FIRST }
     }
 
-    /// Says what is waited for, if it is time to.
+    /// Writes what the process waits for, if the next notice is due.
     pub fn tell(&mut self, what: impl FnOnce() -> String) {
         if self.since.left(self.next).is_zero() {
             self.next *= 2;
