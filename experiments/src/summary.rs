@@ -118,10 +118,15 @@ fn first_kind() -> String {
 pub fn in_words(column: &Column, value: Option<f64>, targets: u16) -> String {
     match (value, column.unit) {
         (None, _) => "-".to_owned(),
-        (Some(value), "targets") => format!("{value}/{targets}"),
-        (Some(value), unit) if column.is_count => format!("{value} {unit}"),
+        (Some(value), "targets") => format!("{}/{targets}", short(value)),
+        (Some(value), unit) if column.is_count => format!("{} {unit}", short(value)),
         (Some(value), unit) => format!("{value:.2} {unit}"),
     }
+}
+
+/// A count, or a mean of counts.
+fn short(value: f64) -> String {
+    if value.fract() == 0.0 { format!("{value}") } else { format!("{value:.2}") }
 }
 
 /// What became of the messages, per receiver.
