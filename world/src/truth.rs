@@ -1,5 +1,5 @@
-//! The monitor: it is outside the agents and checks, at every step of every run, that the guarantee and the
-//! assumptions of the theory hold (docs/concepts/guarantee.md).
+//! The monitor: it is outside the agents and checks, at every step of every run, that the guarantee
+//! and the assumptions of the theory hold (docs/concepts/guarantee.md).
 
 use std::collections::BTreeMap;
 
@@ -24,8 +24,9 @@ const WAY_STEP_M: f64 = 0.5;
 
 /// The knowledge of an agent, for the check of the guarantee.
 pub trait Admits {
-    /// Whether the knowledge of the agent admits that `target` is at `location` (`world`, metres) or within
-    /// `tolerance_m` of it: whether the location is in X_ij if the agent knows the target, else in X̄_i.
+    /// Whether the knowledge of the agent admits that `target` is at `location` (`world`, metres) or
+    /// within `tolerance_m` of it: whether the location is in X_ij if the agent knows the target,
+    /// else in X̄_i.
     fn admits(&self, target: TargetId, location: [f64; 2], tolerance_m: f64) -> bool;
 }
 
@@ -236,8 +237,8 @@ impl Monitor {
         Self { ground, model, period_s, walls, previous: None, flown_from, counts, unchecked: 0 }
     }
 
-    /// Checks step k: the separations, the region and the speeds of all targets, and that every agent admits
-    /// the location of every target. Agents are indexed as in `agents`.
+    /// Checks step k: the separations, the region and the speeds of all targets, and that every agent
+    /// admits the location of every target. Agents are indexed as in `agents`.
     ///
     /// A value that is not a number violates every check that uses it.
     pub fn check(
@@ -261,8 +262,8 @@ impl Monitor {
         self.record(step, faults)
     }
 
-    /// Checks the knowledge of one agent at step k against `targets` of that step. It is for reports that
-    /// come after [`Self::check`] has checked the step without them.
+    /// Checks the knowledge of one agent at step k against `targets` of that step. It is for reports
+    /// that come after [`Self::check`] has checked the step without them.
     pub fn check_agent(
         &mut self,
         step: Step,
@@ -277,14 +278,14 @@ impl Monitor {
         self.record(step, faults)
     }
 
-    /// Counts a report of an agent that could not be checked, because the truth of its step is no longer
-    /// kept.
+    /// Counts a report of an agent that could not be checked, because the truth of its step is no
+    /// longer kept.
     pub fn miss_agent(&mut self) {
         self.unchecked += 1;
     }
 
-    /// Checks that no UAV is nearer to a building than [`FLIGHT_CLEARANCE_M`], over it or beside it, and that
-    /// none was on the straight way from its pose at the last check. `poses` are by agent.
+    /// Checks that no UAV is nearer to a building than [`FLIGHT_CLEARANCE_M`], over it or beside it,
+    /// and that none was on the straight way from its pose at the last check. `poses` are by agent.
     pub fn check_flights(&mut self, step: Step, poses: &[Pose]) -> Vec<Violation> {
         let mut faults = Vec::new();
         for (index, pose) in poses.iter().enumerate() {
@@ -302,8 +303,8 @@ impl Monitor {
         self.record(step, faults)
     }
 
-    /// Of the obstacles that a UAV comes too near to on its way between two poses, the nearest one and its
-    /// distance.
+    /// Of the obstacles that a UAV comes too near to on its way between two poses, the nearest one
+    /// and its distance.
     fn nearest_on_way(&self, from: &Pose, to: &Pose) -> Option<(usize, f64)> {
         let [a, b] = [from, to].map(|pose| [pose.p_world[0], pose.p_world[1]]);
         let floor_m = from.p_world[2].min(to.p_world[2]) - FLIGHT_CLEARANCE_M;

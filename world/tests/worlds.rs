@@ -41,8 +41,8 @@ impl Admits for Ignorant {
     }
 }
 
-/// Drives for `steps` under the monitor; `drove` gets the world and each car before and after a period, with
-/// the way between.
+/// Drives for `steps` under the monitor; `drove` gets the world and each car before and after a
+/// period, with the way between.
 fn drive(
     name: &str,
     world: &mut World,
