@@ -1,10 +1,10 @@
 //! The sans-I/O agent of the set-membership mission: frames and messages in, messages and commands
 //! out.
 //!
-//! Within a step the agent measures its frame, if it has a camera, and sends what the frame proved at once.
-//! In [`handle_timeout`](csat_proto::agent::Agent::handle_timeout) it applies the frame together with all
-//! facts that arrived, and every T_MPC guidance decides. All evidence of a step is applied together and in
-//! one order, so the same evidence makes the same sets in every agent.
+//! Within a step the agent measures its frame, if it has a camera, and sends what the frame proved at
+//! once. In [`handle_timeout`](csat_proto::agent::Agent::handle_timeout) it applies the frame
+//! together with all facts that arrived, and every T_MPC guidance decides. All evidence of a step is
+//! applied together and in one order, so the same evidence makes the same sets in every agent.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
@@ -90,8 +90,8 @@ impl SetMembershipAgent {
         Self::with_cache(config, Arc::default())
     }
 
-    /// An agent without knowledge, one of several in a process that share `cache`. The configurations of
-    /// these agents must not differ except in `id` and `incarnation`.
+    /// An agent without knowledge, one of several in a process that share `cache`. The configurations
+    /// of these agents must not differ except in `id` and `incarnation`.
     pub fn with_cache(config: &AgentConfig, cache: Arc<SharedCache>) -> Self {
         Self {
             sensor: Sensor::new(config),
@@ -138,9 +138,9 @@ impl SetMembershipAgent {
         self.own_frame.measured().filter(|_| !self.config.is_station())
     }
 
-    /// The age of information: the age of the newest frame of another UAV of which this agent received a
-    /// fact from that UAV, mean over the other UAVs, seconds. For a UAV from which no fact arrived it is the
-    /// age of the mission. `None` without other UAVs.
+    /// The age of information: the age of the newest frame of another UAV of which this agent
+    /// received a fact from that UAV, mean over the other UAVs, seconds. For a UAV from which no fact
+    /// arrived it is the age of the mission. `None` without other UAVs.
     ///
     /// # References
     /// S. Kaul, R. Yates, M. Gruteser, *Real-time status: how often should one update?*, INFOCOM 2012.
@@ -233,8 +233,8 @@ impl SetMembershipAgent {
 
     /// The lineage of the knowledge after an update with the own frame and the received facts.
     ///
-    /// A frame that was told in full stands for the same evidence in its sender as in the receivers of the
-    /// fact, unless clocks may differ.
+    /// A frame that was told in full stands for the same evidence in its sender as in the receivers
+    /// of the fact, unless clocks may differ.
     fn lineage(&self, heard: &[ReceivedFact]) -> Identity {
         let AgentConfig { id, incarnation, exchange, .. } = &self.config;
         let told = |said: &SentFact| said.in_full && exchange.clock_skew_s == 0.0;
@@ -295,7 +295,8 @@ impl SetMembershipAgent {
         *self.rejected.entry(reason).or_default() += 1;
         if self.reported.insert((reason, from)) {
             let (step, detail) = (self.knowledge.step, dropped.to_string());
-            // Links that damage messages cause many of these; the terminal shows only their sum at the end.
+            // Links that damage messages cause many of these; the terminal shows only their sum at
+            // the end.
             tracing::info!(agent = %self.config.id, ?from, reason, detail, "dropped");
             self.events.push_back(Event::Rejected { step, from, reason: reason.into(), detail });
         }
@@ -361,7 +362,8 @@ impl SetMembershipAgent {
         }
     }
 
-    /// The decision from the current pose with the heading `yaw_rad`, and the way out behind its first block.
+    /// The decision from the current pose with the heading `yaw_rad`, and the way out behind its
+    /// first block.
     fn plan(&mut self, pass: &Pass, yaw_rad: f64) -> (Decision, Option<WayOut>) {
         let pose = Pose { yaw_rad, ..self.pose };
         let oem = &self.knowledge.oem;

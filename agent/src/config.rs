@@ -94,8 +94,8 @@ impl AgentConfig {
         self.guidance.criterion != Criterion::Str1
     }
 
-    /// The camera for guidance. Guidance lays out rays and windows up to d_max, so d_max is limited to what
-    /// is needed to see all of X_g from twice its diagonal away.
+    /// The camera for guidance. Guidance lays out rays and windows up to d_max, so d_max is limited
+    /// to what is needed to see all of X_g from twice its diagonal away.
     pub fn planning_camera(&self) -> CameraModel {
         planning_camera(self.camera, &self.ground, &self.fleet)
     }
@@ -126,8 +126,8 @@ pub struct EstimatorConfig {
     pub simplify_margin_m: f64,
     /// How far corners of the clear ground's outline in the image may be cut, pixels.
     pub outline_tolerance_px: f64,
-    /// The most vertices of a set that was measured or is about to grow. Sets with more are simplified, outer
-    /// approximations outward and inner ones inward.
+    /// The most vertices of a set that was measured or is about to grow. Sets with more are
+    /// simplified, outer approximations outward and inner ones inward.
     pub max_vertices: u32,
     /// Cell of the rasters (hidden ground, planning), metres.
     pub raster_cell_m: f64,
@@ -214,8 +214,8 @@ pub struct Str4Config {
     pub n_mpc: u8,
     /// How many candidates are kept per block.
     pub beam: u16,
-    /// The value of the first look from nearby at unknown ground beside a building: its area for this many
-    /// blocks.
+    /// The value of the first look from nearby at unknown ground beside a building: its area for this
+    /// many blocks.
     pub first_look: u16,
 }
 
@@ -232,8 +232,8 @@ impl GuidanceConfig {
         usize::from(blocks.max(1))
     }
 
-    /// U, radians, in the order of preference among increments of equal cost: the gentlest turn first, then
-    /// as listed. Without increments the UAV flies straight ahead.
+    /// U, radians, in the order of preference among increments of equal cost: the gentlest turn
+    /// first, then as listed. Without increments the UAV flies straight ahead.
     pub fn gentlest_first_rad(&self) -> Vec<f64> {
         let mut increments: Vec<f64> =
             self.increments_deg.iter().map(|degrees| degrees.to_radians()).collect();
@@ -273,7 +273,8 @@ pub enum ExchangeMode {
     /// Each frame's measurements.
     #[serde(rename = "facts")]
     Facts,
-    /// Facts, and snapshots of all knowledge every `snapshot_period_s` and for agents that are missing facts.
+    /// Facts, and snapshots of all knowledge every `snapshot_period_s` and for agents that are
+    /// missing facts.
     #[serde(rename = "facts+repair")]
     FactsRepair,
 }
@@ -292,15 +293,15 @@ pub struct ExchangeConfig {
     pub repair_period_s: f64,
     /// How long a message may be in flight before its receiver is taken to be missing it, seconds.
     pub repair_delay_s: f64,
-    /// What an agent may send, bytes per second; `inf` for no limit. Sets are simplified until they fit, outer
-    /// approximations outward and inner ones inward, most of all far from the UAVs.
+    /// What an agent may send, bytes per second; `inf` for no limit. Sets are simplified until they
+    /// fit, outer approximations outward and inner ones inward, most of all far from the UAVs.
     pub budget_bytes_s: f64,
     /// Messages older than this are dropped, seconds.
     pub max_age_s: f64,
     /// Bound on the difference of two agents' clocks, seconds.
     pub clock_skew_s: f64,
-    /// Facts, and the knowledge of snapshots, with more vertices than this are dropped; agents send no such
-    /// messages.
+    /// Facts, and the knowledge of snapshots, with more vertices than this are dropped; agents send
+    /// no such messages.
     pub max_vertices: u32,
 }
 

@@ -1,7 +1,8 @@
 //! What one UAV or ground station knows and does: the sans-I/O agent of the set-membership mission.
 //!
-//! A driver needs [`agent`] and [`config`]; one that runs several agents in a process also [`shared_cache`].
-//! The other modules are the stations of the agent's data, for tests, benchmarks and pictures.
+//! A driver needs [`agent`] and [`config`]; one that runs several agents in a process also
+//! [`shared_cache`]. The other modules are the stations of the agent's data, for tests, benchmarks
+//! and pictures.
 //!
 //! | module | what it holds |
 //! |---|---|

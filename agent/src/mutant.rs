@@ -1,8 +1,8 @@
 //! Known mistakes, to prove that the tests detect them.
 //!
-//! Each mistake is a plausible wrong line in place of the right one. With the feature `mutants`, which only
-//! `csat-tests` enables, one of them can be switched on for the whole process. Without the feature `is_on` is
-//! `false` at compile time.
+//! Each mistake is a plausible wrong line in place of the right one. With the feature `mutants`,
+//! which only `csat-tests` enables, one of them can be switched on for the whole process. Without the
+//! feature `is_on` is `false` at compile time.
 
 /// A known mistake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,12 +1,13 @@
 //! Results that the agents of one process share instead of each computing them.
 //!
 //! Agents that received the same messages hold the same knowledge, to the last bit. Where one process
-//! drives several agents, the first one that needs a result computes it, and the others read it from the
-//! [`SharedCache`]. The driver of the agents owns the cache and hands it to each of them. Every entry is a
-//! function of its key, so no agent behaves differently with a cache. Agents that share a cache must have
-//! the same configuration except for their index and incarnation.
+//! drives several agents, the first one that needs a result computes it, and the others read it from
+//! the [`SharedCache`]. The driver of the agents owns the cache and hands it to each of them. Every
+//! entry is a function of its key, so no agent behaves differently with a cache. Agents that share a
+//! cache must have the same configuration except for their index and incarnation.
 //!
-//! The key of knowledge is its lineage, a hash of all evidence that it was made of, so no sets are compared.
+//! The key of knowledge is its lineage, a hash of all evidence that it was made of, so no sets are
+//! compared.
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -7,8 +7,8 @@
 pub struct Work {
     /// Edges handed to Boolean operations.
     pub edges: u64,
-    /// The sum, over edges, of how far dilations and erosions swept them, metres. The number of crossings of
-    /// paths grows with it.
+    /// The sum, over edges, of how far dilations and erosions swept them, metres. The number of
+    /// crossings of paths grows with it.
     pub swept_m: f64,
 }
 

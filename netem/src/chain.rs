@@ -5,14 +5,14 @@ use crate::draw::{Block, Draws};
 /// Length of an epoch, sequence numbers. At the first number of each epoch a chain starts again, with a
 /// state drawn from its stationary distribution.
 ///
-/// Epochs bound the steps that one message can cost, since a message may carry any sequence number. They
-/// do not change the distribution of the states; only the first state of an epoch is independent of the
-/// last state of the epoch before.
+/// Epochs bound the steps that one message can cost, since a message may carry any sequence number.
+/// They do not change the distribution of the states; only the first state of an epoch is independent
+/// of the last state of the epoch before.
 pub const EPOCH: u64 = 1 << 16;
 
 /// A Markov chain that advances by sequence number. The state at a number is a function of the random
-/// numbers of its epoch up to that number, so the order of the queries does not matter. Numbers for which
-/// no caller asks advance the chain too.
+/// numbers of its epoch up to that number, so the order of the queries does not matter. Numbers for
+/// which no caller asks advance the chain too.
 #[derive(Debug, Clone)]
 pub struct MarkovChain<S> {
     latest: Option<(u64, S)>,

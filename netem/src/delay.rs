@@ -1,9 +1,9 @@
 //! Rule 10: how long a message takes.
 //!
-//! A delay is a quantile of its distribution. Without correlation it is the quantile at a uniform random
-//! number of the message; with correlation it is the quantile at Φ of a normal score that depends on the
-//! score of the message before (`DelayConfig`). Messages with different delays overtake each other; there
-//! is no other reordering.
+//! A delay is a quantile of its distribution. Without correlation it is the quantile at a uniform
+//! random number of the message; with correlation it is the quantile at Φ of a normal score that
+//! depends on the score of the message before (`DelayConfig`). Messages with different delays
+//! overtake each other; there is no other reordering.
 
 use crate::config::{ChannelConfig, DelayConfig};
 use crate::draw::{Block, Draws, Purpose, normal_cdf, normal_quantile};
@@ -136,8 +136,8 @@ impl Distribution {
         }
     }
 
-    /// The `u`-quantile of the delays, seconds; `above` is 1 - u. The caller passes both, because near 0 or
-    /// 1 only one of them has all its significant digits.
+    /// The `u`-quantile of the delays, seconds; `above` is 1 - u. The caller passes both, because
+    /// near 0 or 1 only one of them has all its significant digits.
     fn quantile(&self, u: f64, above: f64) -> f64 {
         match self {
             Self::Constant(seconds) => *seconds,

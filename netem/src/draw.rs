@@ -1,8 +1,8 @@
 //! The random numbers that belong to a message.
 //!
-//! ChaCha8 keyed by seed, link, incarnation and channel gives one block of 32 words per sequence number.
-//! Each purpose has two words of the block at a fixed place; half of the words are free. No number is
-//! drawn in sequence, so none depends on which other messages are sent.
+//! ChaCha8 keyed by seed, link, incarnation and channel gives one block of 32 words per sequence
+//! number. Each purpose has two words of the block at a fixed place; half of the words are free. No
+//! number is drawn in sequence, so none depends on which other messages are sent.
 
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
 use rand::{Rng, SeedableRng};
@@ -129,7 +129,8 @@ fn key(seed: u64, sent: &Sent, tag: [u8; 15]) -> [u8; 32] {
     key
 }
 
-/// 64 random bits of a link. They are the same for all incarnations of its ends and differ per direction.
+/// 64 random bits of a link. They are the same for all incarnations of its ends and differ per
+/// direction.
 pub fn of_link(seed: u64, sent: &Sent) -> u64 {
     let any_incarnation = Sent { incarnation: Incarnation(0), ..*sent };
     ChaCha8Rng::from_seed(key(seed, &any_incarnation, *b"csat links v2  ")).next_u64()

@@ -10,8 +10,9 @@
 //! | [`propagation`] | rule 4; the owner of the buildings implements its [`Obstruction`](propagation::Obstruction) |
 //! | [`trace`] | recorded losses |
 //!
-//! A message meets the rules of its channel in a fixed order. The first rule that loses the message gives
-//! the reason; a message that no rule loses arrives, perhaps damaged, perhaps twice, after a delay.
+//! A message meets the rules of its channel in a fixed order. The first rule that loses the message
+//! gives the reason; a message that no rule loses arrives, perhaps damaged, perhaps twice, after a
+//! delay.
 //!
 //! | rule | module | loses or changes a message |
 //! |---|---|---|
@@ -26,10 +27,10 @@
 //! | 9 | `rate` | delays it in its sender's queue, or loses it when the queue is full |
 //! | 10 | `delay` | delays it |
 //!
-//! A fate is a *function* of the seed, the message's identity, the time and the positions of its ends. It
-//! is never drawn from a shared stream: another message changes no fate, and one process and many
-//! processes decide the same. State matters in two places, and it belongs to one link or one sender:
-//! chains of losses and delays, which advance by sequence number, and queues.
+//! A fate is a *function* of the seed, the message's identity, the time and the positions of its
+//! ends. It is never drawn from a shared stream: another message changes no fate, and one process and
+//! many processes decide the same. State matters in two places, and it belongs to one link or one
+//! sender: chains of losses and delays, which advance by sequence number, and queues.
 //!
 //! A message in flight survives the failure of its sender and partitions that begin later.
 //!

@@ -127,9 +127,9 @@ impl Links {
         links
     }
 
-    /// Uses the rules of `config` from now on. All state stays: chains go on from their current states,
-    /// queues keep their lengths, and messages in flight arrive as they would have. Channels are identified
-    /// by their ids, so `config` should have the same names as before.
+    /// Uses the rules of `config` from now on. All state stays: chains go on from their current
+    /// states, queues keep their lengths, and messages in flight arrive as they would have. Channels
+    /// are identified by their ids, so `config` should have the same names as before.
     pub fn reconfigure(&mut self, config: &NetemConfig) {
         if self.config.as_ref() == Some(config) {
             return;
@@ -173,8 +173,8 @@ impl Links {
         fate
     }
 
-    /// The fate of a message without sending it: it is not counted and does not arrive. It takes the same
-    /// place in its sender's queue as a message that is sent.
+    /// The fate of a message without sending it: it is not counted and does not arrive. It takes the
+    /// same place in its sender's queue as a message that is sent.
     pub fn fate(&mut self, sent: &Sent) -> Fate {
         self.decide(sent).0
     }

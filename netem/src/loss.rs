@@ -1,8 +1,8 @@
 //! Rule 6: random loss.
 //!
-//! Gilbert-Elliott and the four-state model of Linux netem share one implementation: a Markov chain over
-//! four states, each with a probability of loss. It takes one step per sequence number of a link and
-//! starts in its stationary distribution, so the loss rate holds from the first message on.
+//! Gilbert-Elliott and the four-state model of Linux netem share one implementation: a Markov chain
+//! over four states, each with a probability of loss. It takes one step per sequence number of a link
+//! and starts in its stationary distribution, so the loss rate holds from the first message on.
 
 use crate::config::{ChannelConfig, LossConfig};
 use crate::draw::{Block, Purpose};
@@ -124,8 +124,8 @@ fn cumulated(row: [f64; 4]) -> [f64; 4] {
     })
 }
 
-/// The two states are `Gap` and `Burst`. A link may be in one of the other two states when another model
-/// was configured before; each of these has the probabilities of the state that it resembles.
+/// The two states are `Gap` and `Burst`. A link may be in one of the other two states when another
+/// model was configured before; each of these has the probabilities of the state that it resembles.
 fn gilbert_elliott(p: f64, r: f64, h: f64, k: f64) -> Markov {
     let bad = if p + r > 0.0 { p / (p + r) } else { 0.0 };
     let from_good = cumulated([1.0 - p, 0.0, p, 0.0]);

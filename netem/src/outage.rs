@@ -51,8 +51,8 @@ impl Outages {
         self.0.iter().any(|(out, span, _)| *out == agent && span.contains(time))
     }
 
-    /// Whether a message that `agent` sent at `sent` cannot leave at `departs`: its radio is off, or the
-    /// message waited in a queue that was lost in a crash.
+    /// Whether a message that `agent` sent at `sent` cannot leave at `departs`: its radio is off, or
+    /// the message waited in a queue that was lost in a crash.
     fn silence(&self, agent: AgentId, sent: SimTime, departs: SimTime) -> bool {
         self.0.iter().any(|(out, span, kind)| {
             let is_silent = match kind {

@@ -4,8 +4,9 @@
 //! building stands between the ends. SNR = tx_power - PL - noise; bit error rate of coherent BPSK
 //! BER = ½ erfc(√SNR) with the SNR as a ratio; packet error rate PER = 1 - (1 - BER)^(8 bytes).
 //!
-//! Shadowing is normal in dB and the same in both directions. It is a function of the pair of agents and
-//! of the cells that they are in: a UAV that flies back to a cell has the same shadowing there again.
+//! Shadowing is normal in dB and the same in both directions. It is a function of the pair of agents
+//! and of the cells that they are in: a UAV that flies back to a cell has the same shadowing there
+//! again.
 
 use std::sync::Arc;
 

@@ -1,13 +1,13 @@
 //! Rule 9: a token bucket and a bounded queue per sender and channel.
 //!
-//! Tokens come at `bytes_s` up to `burst_bytes`. A message takes one token per byte, and may take them in
-//! advance: then it leaves once these tokens have come, after all messages before it (first in, first
-//! out). Bytes whose tokens have not come yet form the queue. A message that would make the queue longer
-//! than `queue_bytes` is lost (tail drop) and takes no tokens.
+//! Tokens come at `bytes_s` up to `burst_bytes`. A message takes one token per byte, and may take
+//! them in advance: then it leaves once these tokens have come, after all messages before it (first
+//! in, first out). Bytes whose tokens have not come yet form the queue. A message that would make the
+//! queue longer than `queue_bytes` is lost (tail drop) and takes no tokens.
 //!
-//! A broadcast is sent once, whatever the number of its receivers, and it takes its tokens even if a later
-//! rule loses it. So there is one verdict per (sender, channel, incarnation, sequence), which is kept for
-//! the other receivers.
+//! A broadcast is sent once, whatever the number of its receivers, and it takes its tokens even if a
+//! later rule loses it. So there is one verdict per (sender, channel, incarnation, sequence), which
+//! is kept for the other receivers.
 
 use std::collections::VecDeque;
 
@@ -42,8 +42,8 @@ impl Rule for Queue {
     }
 }
 
-/// Verdicts that are kept per sender and channel. The queries for all receivers of a message come at the
-/// same time, so a few would suffice.
+/// Verdicts that are kept per sender and channel. The queries for all receivers of a message come at
+/// the same time, so a few would suffice.
 const REMEMBERED: usize = 1024;
 
 /// One sender on one channel: its bucket and the latest verdicts.
@@ -57,9 +57,9 @@ pub struct SenderBucket {
 }
 
 impl SenderBucket {
-    /// When `sent` leaves, and whether this is the first query about it. A message that is `silenced` (the
-    /// radio is off) takes no tokens. A message so old that its verdict was dropped leaves as if it were
-    /// sent now, and takes no tokens either.
+    /// When `sent` leaves, and whether this is the first query about it. A message that is `silenced`
+    /// (the radio is off) takes no tokens. A message so old that its verdict was dropped leaves as if
+    /// it were sent now, and takes no tokens either.
     pub fn depart(
         &mut self,
         config: &RateConfig,

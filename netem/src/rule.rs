@@ -131,8 +131,8 @@ fn boxed<R: Rule + 'static>(rule: Option<R>) -> Option<Box<dyn Rule>> {
     rule.map(|rule| Box::new(rule) as Box<dyn Rule>)
 }
 
-/// Applies the rules in order; the first rule that loses the message gives the reason. A message that is
-/// lost after it was duplicated is lost together with its copy.
+/// Applies the rules in order; the first rule that loses the message gives the reason. A message that
+/// is lost after it was duplicated is lost together with its copy.
 ///
 /// # Errors
 /// The reason of the loss.

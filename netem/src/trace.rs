@@ -27,8 +27,8 @@ pub enum TraceError {
 }
 
 impl Trace {
-    /// Reads a recording: `1` for lost and `0` for received; white space, and `#` to the end of the line,
-    /// are skipped.
+    /// Reads a recording: `1` for lost and `0` for received; white space, and `#` to the end of the
+    /// line, are skipped.
     ///
     /// # Errors
     /// The first character that is not allowed, or an empty recording.

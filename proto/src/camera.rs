@@ -89,9 +89,9 @@ pub struct CameraModel {
     pub d_max_m: f64,
     /// [w_lo, w_hi]: bounds of the depth noise (3.33), relative to the distance: 0.01 is 1 %.
     pub depth_noise: [f64; 2],
-    /// A target is identified when at least this many of its pixels are labelled Target. Every car in the
-    /// footprint of the paper's 480 x 360 camera has at least the default, 8, from the highest of the
-    /// paper's four altitudes, 61 m, at its worst heading.
+    /// A target is identified when at least this many of its pixels are labelled Target. Every car in
+    /// the footprint of the paper's 480 x 360 camera has at least the default, 8, from the highest of
+    /// the paper's four altitudes, 61 m, at its worst heading.
     pub min_pixels: u32,
     /// The most by which a detection box may be displaced, pixels; (3.53) holds all the same.
     pub box_error_px: u16,
@@ -276,8 +276,8 @@ impl CameraView {
         polygon
     }
 
-    /// Appends the part of an image edge whose ground points lie within `reach` of the nadir of the camera,
-    /// end point excluded, in a few chords.
+    /// Appends the part of an image edge whose ground points lie within `reach` of the nadir of the
+    /// camera, end point excluded, in a few chords.
     fn append_reachable_edge(
         &self,
         from: [f64; 2],

@@ -1,8 +1,8 @@
 //! The protocol between a world and the processes of its agents (docs/simulator.md).
 //!
-//! All of it is JSON except the pixels of a frame ([`crate::frame_wire`]) and the report for the monitor,
-//! so that a simulator in any language can be the world. None of it passes through `netem`, and the agents
-//! themselves do not see it.
+//! All of it is JSON except the pixels of a frame ([`crate::frame_wire`]) and the report for the
+//! monitor, so that a simulator in any language can be the world. None of it passes through `netem`,
+//! and the agents themselves do not see it.
 
 use serde::{Deserialize, Serialize};
 
@@ -84,8 +84,8 @@ pub struct Probe {
     pub answer: bool,
 }
 
-/// The attachment of a frame: all of it except the pixels. The frame of a ground station has no pixels and
-/// means that a step begins.
+/// The attachment of a frame: all of it except the pixels. The frame of a ground station has no
+/// pixels and means that a step begins.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrameHeader {
     /// The world that sent it.
@@ -98,15 +98,16 @@ pub struct FrameHeader {
     pub next: SimTime,
     /// The pose estimate of the agent, which is the pose of the frame.
     pub pose: Pose,
-    /// The true position of its antenna, `world`, metres, for the links and not for the agent; `None` where
-    /// the pose is exact.
+    /// The true position of its antenna, `world`, metres, for the links and not for the agent; `None`
+    /// where the pose is exact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_world: Option<[f64; 3]>,
     /// The agent's incarnation; `None` while it is down, and then there are no pixels.
     pub incarnation: Option<Incarnation>,
     /// The identified targets, by increasing index.
     pub detections: Vec<Detection>,
-    /// What all agents sent before this step: a process that joins now does not wait for these messages.
+    /// What all agents sent before this step: a process that joins now does not wait for these
+    /// messages.
     pub said: Vec<SaidSoFar>,
 }
 
@@ -163,8 +164,8 @@ pub enum HeaderError {
 }
 
 impl FrameHeader {
-    /// Checks what the guarantee depends on: the instant of the step, a pose above the ground, and a Target
-    /// pixel for each detection. `labels` are the frame's pixels.
+    /// Checks what the guarantee depends on: the instant of the step, a pose above the ground, and a
+    /// Target pixel for each detection. `labels` are the frame's pixels.
     ///
     /// # Errors
     /// The first check that fails.
@@ -189,8 +190,8 @@ impl FrameHeader {
         self.detections.iter().try_for_each(|detection| check_box(detection, camera, labels))
     }
 
-    /// The same checks for a ground station, which may stand on the ground and has no camera; `bytes` is the
-    /// length of the pixels.
+    /// The same checks for a ground station, which may stand on the ground and has no camera; `bytes`
+    /// is the length of the pixels.
     ///
     /// # Errors
     /// The first check that fails.
@@ -264,8 +265,8 @@ pub struct Announcement {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "order", rename_all = "kebab-case")]
 pub enum Order {
-    /// Lockstep: wait for the messages of `said`, deliver those that are due, and send what the agent has to
-    /// send.
+    /// Lockstep: wait for the messages of `said`, deliver those that are due, and send what the agent
+    /// has to send.
     Turn {
         /// k.
         step: Step,
@@ -283,8 +284,8 @@ pub enum Order {
         /// Whether the report includes maps.
         full: bool,
     },
-    /// The last step of the mission is over: report everything once more, including what an agent that is
-    /// down knew.
+    /// The last step of the mission is over: report everything once more, including what an agent
+    /// that is down knew.
     Show {
         /// k.
         step: Step,

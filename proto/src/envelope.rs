@@ -88,8 +88,8 @@ impl Envelope {
     /// The inverse of [`Self::encode`] for untrusted bytes.
     ///
     /// # Errors
-    /// When they are longer than [`MAX_MESSAGE_BYTES`], are not an envelope from first to last byte, do not
-    /// match the checksum that they state, or hold a pose that is not finite.
+    /// When they are longer than [`MAX_MESSAGE_BYTES`], are not an envelope from first to last byte,
+    /// do not match the checksum that they state, or hold a pose that is not finite.
     pub fn decode(bytes: &[u8]) -> Result<Self, EnvelopeError> {
         if bytes.len() > MAX_MESSAGE_BYTES {
             return Err(EnvelopeError::TooLong { got: bytes.len(), max: MAX_MESSAGE_BYTES });

@@ -1,13 +1,13 @@
-//! The wire format of the pixels of a frame, from a world to an agent's process: labels in runs, distances
-//! only where an agent reads them.
+//! The wire format of the pixels of a frame, from a world to an agent's process: labels in runs,
+//! distances only where an agent reads them.
 //!
 //! All numbers are little-endian. First a `u32`, how many runs there are; then the runs, `u32` each:
 //! the length in the upper 24 bits, the [`Label`] in the lower eight; they cover the image row by row.
 //! Then a `u16` for each pixel labelled Obstacle or Target, row by row: its noisy depth in steps of
 //! d_max/65535. The ground's distance follows from its plane and is not sent: there `depth` is 0.
 //!
-//! A frame holds quantised depths in any case, and [`CameraModel::depth_interval_m`] widens each by half a
-//! step. So the wire format loses nothing, and the guarantee is the same.
+//! A frame holds quantised depths in any case, and [`CameraModel::depth_interval_m`] widens each by
+//! half a step. So the wire format loses nothing, and the guarantee is the same.
 //!
 //! [`CameraModel::depth_interval_m`]: crate::camera::CameraModel::depth_interval_m
 

@@ -1,8 +1,9 @@
 //! The Zenoh key expressions of a run (docs/topics.md).
 //!
-//! All keys of a run are under `csat/{run}/`: the agents' messages under `link`, the protocol between the
-//! world and the agents' processes under `uav`, `clock` and `join`, what users see under `view` and `truth`,
-//! liveliness tokens under `alive`, and the answers to agents that join late under `state`.
+//! All keys of a run are under `csat/{run}/`: the agents' messages under `link`, the protocol between
+//! the world and the agents' processes under `uav`, `clock` and `join`, what users see under `view`
+//! and `truth`, liveliness tokens under `alive`, and the answers to agents that join late under
+//! `state`.
 
 use crate::ids::{AgentId, ChannelId, RunId};
 

@@ -34,12 +34,12 @@ pub struct HeldFacts {
     pub count: u32,
 }
 
-/// What the sender holds, from which receivers see which facts it is missing (docs/links.md, "What agents
-/// say"). Empty in modes without repair.
+/// What the sender holds, from which receivers see which facts it is missing (docs/links.md, "What
+/// agents say"). Empty in modes without repair.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Digest {
-    /// Facts that its knowledge contains, by increasing origin and incarnation; empty if the sender does
-    /// not tell.
+    /// Facts that its knowledge contains, by increasing origin and incarnation; empty if the sender
+    /// does not tell.
     pub facts: Vec<HeldFacts>,
     /// A hash of each block of its OEM, row-major.
     pub oem: Vec<u16>,
@@ -64,15 +64,16 @@ pub struct Fact {
     pub hidden: Raster,
     /// Ground seen in this frame, on the same grid: it is no longer hidden (5.43).
     pub seen: Raster,
-    /// Cells of the OEM by increasing index: those that this frame changed for the sender, and those that
-    /// other agents are missing.
+    /// Cells of the OEM by increasing index: those that this frame changed for the sender, and those
+    /// that other agents are missing.
     pub oem: OemPatch,
 }
 
 /// What the sender knew before a frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Known {
-    /// The step of this knowledge: the step before the frame, or the step of the frame if it was the first.
+    /// The step of this knowledge: the step before the frame, or the step of the frame if it was the
+    /// first.
     pub step: Step,
     /// L and X_j, by increasing index, outer.
     pub targets: Vec<(TargetId, Region)>,

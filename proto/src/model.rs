@@ -1,5 +1,5 @@
-//! What the world and all agents are told before the start: the region of interest, what is known of the
-//! targets, and how the fleet moves.
+//! What the world and all agents are told before the start: the region of interest, what is known of
+//! the targets, and how the fleet moves.
 
 use std::path::PathBuf;
 
@@ -33,8 +33,8 @@ pub enum Driving {
     /// On the roads, each at a constant speed of its own between 0 and v_max (5.34).
     #[default]
     Roads,
-    /// Off the roads at v_max, as evasively as the model allows: straight on and along walls, away from the
-    /// UAVs, or onto ground that a UAV has just seen.
+    /// Off the roads at v_max, as evasively as the model allows: straight on and along walls, away
+    /// from the UAVs, or onto ground that a UAV has just seen.
     Evasive,
 }
 
@@ -81,7 +81,8 @@ impl Default for TargetsModel {
     }
 }
 
-/// The distance that UAVs keep from buildings, metres: above those that they fly over, beside all others.
+/// The distance that UAVs keep from buildings, metres: above those that they fly over, beside all
+/// others.
 pub const FLIGHT_CLEARANCE_M: f64 = 2.0;
 
 /// The radius of the launch site is the distance that a UAV flies in this time, seconds.
@@ -113,8 +114,8 @@ pub struct FleetModel {
     /// Difference of altitude between consecutive UAVs, in metres; less in a fleet that would otherwise
     /// exceed `altitude_band_m`.
     pub altitude_step_m: f64,
-    /// The most between the altitudes of the first and the last UAV, in metres: from higher up, a camera
-    /// sees no ground within d_max and too few pixels of a car.
+    /// The most between the altitudes of the first and the last UAV, in metres: from higher up, a
+    /// camera sees no ground within d_max and too few pixels of a car.
     pub altitude_band_m: f64,
     /// How far outside the western border the fleet starts when `start` is empty, in metres.
     pub start_offset_m: f64,
@@ -143,8 +144,8 @@ impl FleetModel {
         own.copied().unwrap_or(outside)
     }
 
-    /// The radius about its start within which a UAV has room to turn, metres: no building there is as high
-    /// as the UAVs fly.
+    /// The radius about its start within which a UAV has room to turn, metres: no building there is
+    /// as high as the UAVs fly.
     pub fn launch_radius_m(&self) -> f64 {
         LAUNCH_S * self.speed_m_s
     }

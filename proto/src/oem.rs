@@ -47,8 +47,8 @@ pub struct OemDelta {
 
 /// Cells of the OEM with their states, by increasing index.
 ///
-/// A run of equal neighbours is one entry, because most of a map is empty ground. A patch that was received
-/// may claim any number of cells: check [`Self::end`] before iterating over them.
+/// A run of equal neighbours is one entry, because most of a map is empty ground. A patch that was
+/// received may claim any number of cells: check [`Self::end`] before iterating over them.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct OemPatch {
     runs: Vec<CellRun>,

@@ -9,12 +9,12 @@ use crate::camera::Pose;
 use crate::ids::ChannelId;
 use crate::time::SimTime;
 
-/// What the process of a sender adds to each message for the links: the attachment of `link/{i}/{r}`, as
-/// JSON. It is not part of the message: it takes no bytes of a budget and has no fate of its own.
+/// What the process of a sender adds to each message for the links: the attachment of `link/{i}/{r}`,
+/// as JSON. It is not part of the message: it takes no bytes of a budget and has no fate of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PhysicalHeader {
-    /// The true position of the sender's antenna, `world`, metres. The envelope has the position that the
-    /// sender believes.
+    /// The true position of the sender's antenna, `world`, metres. The envelope has the position that
+    /// the sender believes.
     pub p_world: [f64; 3],
 }
 
@@ -32,15 +32,15 @@ pub struct Reception {
     pub channel: ChannelId,
     /// When it arrived.
     pub at: SimTime,
-    /// The angle of arrival: from the receiver's nose to the position of the sender when it sent, in the
-    /// horizontal plane, counter-clockwise, radians in (-π, π].
+    /// The angle of arrival: from the receiver's nose to the position of the sender when it sent, in
+    /// the horizontal plane, counter-clockwise, radians in (-π, π].
     pub bearing_rad: f64,
     /// The encoded [`Envelope`](crate::envelope::Envelope).
     pub bytes: Arc<[u8]>,
 }
 
-/// The bearing of a point, `world`, metres, from an agent at `pose`: see [`Reception::bearing_rad`]. 0 for a
-/// point straight above or below the agent.
+/// The bearing of a point, `world`, metres, from an agent at `pose`: see [`Reception::bearing_rad`].
+/// 0 for a point straight above or below the agent.
 pub fn bearing_rad(pose: &Pose, p_world: [f64; 3]) -> f64 {
     let [x, y] = [0, 1].map(|axis| p_world[axis] - pose.p_world[axis]);
     if x == 0.0 && y == 0.0 {

@@ -224,16 +224,17 @@ impl Raster {
         })
     }
 
-    /// out = the cells whose centres are at most `radius_m` from a cell of self, taken as a square: self ⊕
-    /// disc, sampled at the centres and cut at the border of the grid. The former content of `out` is
-    /// overwritten.
+    /// out = the cells whose centres are at most `radius_m` from a cell of self, taken as a square:
+    /// self ⊕ disc, sampled at the centres and cut at the border of the grid. The former content of
+    /// `out` is overwritten.
     pub fn dilate_disc_into(&self, radius_m: f64, out: &mut Raster) {
         debug_assert_eq!(self.grid, out.grid, "rasters of one grid");
         out.words.fill(0);
         let reaches = disc_reaches(radius_m / self.grid.cell_m);
         let last_word = u64::MAX >> (self.words_per_row as u32 * 64 - self.grid.columns);
         let (mut spread, mut reached) = (self.words.clone(), 0);
-        // The reach within a row decreases with its distance: `spread` grows from the farthest row inward.
+        // The reach within a row decreases with its distance: `spread` grows from the farthest row
+        // inward.
         for (offset, &reach) in reaches.iter().enumerate().rev() {
             if reach > reached {
                 for row in spread.chunks_exact_mut(self.words_per_row) {
@@ -257,8 +258,8 @@ impl Raster {
         out
     }
 
-    /// The lengths of the runs of absent and present cells in row-major order, absent first, without the last
-    /// run, which ends with the grid.
+    /// The lengths of the runs of absent and present cells in row-major order, absent first, without
+    /// the last run, which ends with the grid.
     fn runs(&self) -> Vec<u32> {
         let mut runs = Vec::new();
         let (mut present, mut length) = (false, 0);

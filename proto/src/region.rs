@@ -1,7 +1,7 @@
 //! Planar sets: polygons with holes on an integer grid.
 //!
-//! Every set of the estimator has its vertices on one grid of 2^-18 m (3.8 µm), so that Boolean operations,
-//! messages and digests are the same bits on every machine. The grid spans ±4096 m.
+//! Every set of the estimator has its vertices on one grid of 2^-18 m (3.8 µm), so that Boolean
+//! operations, messages and digests are the same bits on every machine. The grid spans ±4096 m.
 
 use i_overlay::i_float::int::point::IntPoint;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -219,8 +219,8 @@ fn distance_to_segment_squared(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     x * x + y * y
 }
 
-/// On the wire a region is its rings, each point as the difference from the point before, so that nearby
-/// points take few bytes.
+/// On the wire a region is its rings, each point as the difference from the point before, so that
+/// nearby points take few bytes.
 impl Serialize for Region {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut previous = GridPoint::ZERO;

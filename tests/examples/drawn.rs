@@ -1,9 +1,9 @@
-//! Flies drawn legal scenarios, or scenario files, and prints how fast they go.
+//! Flies drawn legal scenarios, or scenario files, and prints their speeds.
 //!
-//! Usage: `drawn FIRST COUNT` flies the scenarios of so many seeds; `drawn SEED` prints the scenario of one, for
-//! `csat run`; `drawn FILE...` flies files. A line each:
-//! simulated seconds, times real time by the clock and on two cores that are always busy, the most vertices
-//! of a set, how often anything was violated, and what `csat check` warns of.
+//! Usage: `drawn FIRST COUNT` flies the scenarios of COUNT seeds; `drawn SEED` prints the scenario of
+//! one seed, for `csat run`; `drawn FILE...` flies files. One line each: simulated seconds, speed
+//! relative to real time by the clock and on two fully used cores, the most vertices of a set, the
+//! number of violations, and the warnings of `csat check`.
 
 use csat_experiments::scenario::Loaded;
 use csat_experiments::set_membership::SetMembership;
@@ -12,7 +12,7 @@ use csat_mission::timing::Stopwatch;
 use csat_tests::drawn;
 use csat_tests::drawn::largest_set;
 
-/// Seconds of processor time of this process so far; 0 where the system does not tell.
+/// Seconds of processor time of this process so far; 0 where the system has no such count.
 fn cpu_s() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace();

@@ -1,4 +1,4 @@
-//! Writes honest inputs into `fuzz/corpus`, for fuzzers to begin with.
+//! Writes valid inputs into `fuzz/corpus`, from which fuzzers start.
 
 use std::path::Path;
 

@@ -1,7 +1,6 @@
-//! Legal scenarios of every kind: each key anywhere within its bounds, and at its extremes more often.
+//! Random legal scenarios: each key has any value within its bounds, and often an extreme one.
 //!
-//! A draw is legal if `csat check` has nothing against it, so it is the command's own judgement that tells.
-//! What it warns of counts as said: a mission that is refused or warned of may take its time.
+//! A draw is legal if `csat check` finds no error. A mission of which it warns may take long.
 
 use csat_agent::config::{Criterion, ExchangeMode, Schedule};
 use csat_agent::estimate::state::Knowledge;
@@ -15,7 +14,7 @@ use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// The scenario of a seed, as `csat` loads it: the first legal one of those it draws.
+/// The scenario of a seed, as `csat` loads it: the first legal one of its draws.
 ///
 /// # Panics
 /// When the file system fails.
@@ -36,7 +35,7 @@ pub fn load(name: &str) -> Option<Loaded> {
     scenario::load(Request { scenario: Some(name), sets: &[], seed: None }).ok()
 }
 
-/// The vertices of the largest set of what an agent knows.
+/// The vertices of the largest set of an agent's knowledge.
 pub fn largest_set(knowledge: &Knowledge) -> usize {
     let targets = knowledge.targets.values().map(|set| set.region());
     let all = targets.chain([knowledge.unexplored.region(), knowledge.margin.region()]);
@@ -75,7 +74,7 @@ fn town(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
         map.size_m = [0; 2].map(|_| rng.random_range(150.0..540.0));
         return;
     }
-    // Now and then a strip, a yard or a whole district.
+    // Sometimes a strip, a yard or a whole district.
     let side = |rng: &mut ChaCha8Rng| match rng.random_range(0..6) {
         0 => rng.random_range(40.0..100.0),
         1 => rng.random_range(700.0..1500.0),

@@ -1,5 +1,5 @@
-//! A small world around a [`Pair`]: cars drive, UAVs fly by command or by script, cameras look, and
-//! the truth watches.
+//! A small world around a [`Pair`]: cars drive, UAVs fly by command or by script, cameras take
+//! frames, and the knowledge is checked against the truth.
 
 use csat_agent::agent::Event;
 use csat_experiments::scenario::Scenario;
@@ -15,16 +15,16 @@ use crate::missions::world_of;
 use crate::pair::Pair;
 use crate::truth;
 
-/// Where a script sends UAV `agent` from step `step` on: a heading, radians.
+/// The heading of UAV `agent` from step `step` on by a script, radians.
 pub type Script = fn(step: u32, agent: u16) -> f64;
 
 /// A pair in its world.
 pub struct Flight {
-    /// What is true.
+    /// The true world.
     pub world: World,
     /// The agents.
     pub pair: Pair,
-    /// `None`: the UAVs do what their agents command.
+    /// `None` if the UAVs follow the commands of their agents.
     pub script: Option<Script>,
     renderers: Vec<Renderer>,
     seed: u64,
@@ -41,7 +41,7 @@ impl Flight {
         Self::in_world(scenario, world)
     }
 
-    /// The same in a world that was made already.
+    /// The fleet of a scenario in a given world.
     pub fn in_world(scenario: &Scenario, world: World) -> Self {
         let mission = SetMembership::new(scenario);
         let agents =
@@ -56,7 +56,8 @@ impl Flight {
         }
     }
 
-    /// The same, steered by a script, so that what agents know cannot change where they look.
+    /// The fleet of a scenario, steered by a script, so that the knowledge of agents does not change
+    /// their paths.
     pub fn scripted(scenario: &Scenario, script: Script) -> Self {
         Self { script: Some(script), ..Self::new(scenario) }
     }
@@ -68,7 +69,7 @@ impl Flight {
         self.obey();
     }
 
-    /// Lets a period pass (but for the first call) and takes every UAV's frame.
+    /// Lets a period pass (except at the first call) and takes the frame of every UAV.
     pub fn look(&mut self) -> Vec<Frame> {
         if self.started {
             self.world.advance();
@@ -82,7 +83,7 @@ impl Flight {
             .collect()
     }
 
-    /// Passes commands on, or those of the script.
+    /// Passes the commands of the agents or of the script to the UAVs.
     pub fn obey(&mut self) {
         let mut commands = std::mem::take(&mut self.pair.commands);
         if let Some(script) = self.script {
@@ -96,7 +97,7 @@ impl Flight {
     }
 
     /// # Panics
-    /// When an agent has ruled out where a target is.
+    /// When an agent has excluded the location of a target.
     pub fn check_guarantee(&self) {
         for (i, agent) in self.pair.agents.iter().enumerate() {
             let broken = truth::broken(agent.knowledge(), self.world.targets());

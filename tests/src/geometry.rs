@@ -1,5 +1,5 @@
-//! Plane geometry and a second pinhole camera, written from the definitions: they share nothing with
-//! what they check.
+//! Plane geometry and a second pinhole camera, implemented from the definitions: they share no code
+//! with what they check.
 
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::region::{Region, metres};
@@ -51,7 +51,7 @@ pub fn distance_to_rings_m(rings: &[Vec<Point>], p: Point) -> f64 {
     distances.fold(f64::INFINITY, f64::min)
 }
 
-/// Up to `count` random points of a region: fewer when it fills little of its bounding boxes.
+/// Up to `count` random points of a region; fewer when it fills little of its bounding boxes.
 pub fn points_in(region: &Region, count: usize, rng: &mut ChaCha8Rng) -> Vec<Point> {
     let mut points = Vec::new();
     for shape in region.shapes() {
@@ -80,7 +80,7 @@ pub fn difference_m2(a: &Region, b: &Region) -> f64 {
     (a.area_m2() + b.area_m2() - 2.0 * common.region().area_m2()).max(0.0)
 }
 
-/// The pinhole of (3.16) and (4.43) for a pose without roll, written from the angles.
+/// The pinhole of (3.16) and (4.43) for a pose without roll, implemented from the angles.
 #[derive(Debug, Clone, Copy)]
 pub struct Pinhole {
     centre: Vector3<f64>,

@@ -1,11 +1,11 @@
-//! Hearing, where only the bytes of a message matter.
+//! Reception of messages of which only the bytes matter.
 
 use csat_proto::agent::Agent;
 use csat_proto::ids::ChannelId;
 use csat_proto::radio::Reception;
 use csat_proto::time::SimTime;
 
-/// Any agent.
+/// Hands bytes to an agent as a message.
 pub trait Hears: Agent {
     /// A message arrives at `now` on the first radio, from straight ahead.
     fn hear(&mut self, now: SimTime, bytes: &[u8]) {

@@ -1,16 +1,16 @@
-//! What the tests share.
+//! Code that the tests share.
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`replay`] | tests over many seeds, and how to fly a failing one again |
-//! | [`geometry`] | distances, samples and a second pinhole camera, sharing nothing with the agent |
+//! | [`replay`] | tests over many seeds, and the replay of one seed |
+//! | [`geometry`] | distances, samples and a second pinhole camera, without code of the agent |
 //! | [`scenes`] | random scenes, poses and cameras that keep every assumption |
-//! | [`truth`] | what a frame's sets and an agent's knowledge must say about a scene |
-//! | [`pair`] | agents and a post office that loses, delays, repeats and reorders |
+//! | [`truth`] | checks of a frame's sets and of an agent's knowledge against a scene |
+//! | [`pair`] | agents and links that lose, delay, repeat and reorder packets |
 //! | [`flight`] | a small world around a pair |
-//! | [`swarm`] | missions with every fault, drawn from one seed, and what must hold in them |
-//! | [`drawn`] | legal scenarios of every kind, extreme ones too, drawn from one seed |
-//! | [`fuzz`] | what fuzzers do with arbitrary bytes |
+//! | [`swarm`] | missions with every fault, drawn from one seed, and the laws that hold in them |
+//! | [`drawn`] | legal scenarios, also extreme ones, drawn from one seed |
+//! | [`fuzz`] | the checks of the fuzzers on arbitrary bytes |
 //! | [`missions`] | whole missions through the engine |
 
 pub mod drawn;

@@ -38,9 +38,9 @@ pub fn world_of(scenario: &Scenario) -> Result<World, WorldErrors> {
 /// How a mission went.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// Of every agent at every step.
+    /// The digest of the knowledge of every agent at every step.
     pub digest: u64,
-    /// Everything the monitor found, described.
+    /// All violations that the monitor found, as text.
     pub violations: Vec<String>,
     /// Sets that became empty.
     pub inconsistencies: u64,
@@ -50,15 +50,15 @@ pub struct Outcome {
     pub mean_unexplored_pct: f64,
     /// Targets known to the first agent at the end.
     pub identified: usize,
-    /// Messages that got lost.
+    /// Lost messages.
     pub dropped: u64,
-    /// Times that a UAV began to fly without a way out.
+    /// How often a UAV began to fly without a way out.
     pub no_way_out: u64,
 }
 
 impl Outcome {
     /// # Panics
-    /// When anything happened that never must.
+    /// When a violation or an inconsistency occurred.
     pub fn check(&self, what: &str) {
         assert!(self.violations.is_empty(), "{what}: {:#?}", self.violations);
         assert_eq!(self.inconsistencies, 0, "{what}: sets became empty");
@@ -82,7 +82,7 @@ pub fn fly_mission(mission: SetMembership, scenario: &Scenario, steps: u32) -> O
     fly_in(mission, world, scenario, steps)
 }
 
-/// The same in a world that is made already.
+/// The same in a given world.
 ///
 /// # Panics
 /// When messages were not conserved.
@@ -116,7 +116,7 @@ pub fn fly_in(mission: SetMembership, world: World, scenario: &Scenario, steps: 
     }
 }
 
-/// The scenario with another way to exchange knowledge.
+/// The scenario with another mode of exchange.
 pub fn with_mode(mut scenario: Scenario, mode: ExchangeMode) -> Scenario {
     scenario.exchange.mode = mode;
     scenario

@@ -1,5 +1,5 @@
-//! Two agents (or more) and a post office, in the style of quinn-proto's `Pair`: no world, no
-//! threads, a `time` that only the test moves, and a filter that decides what becomes of each letter.
+//! Two agents (or more) and their links, in the style of quinn-proto's `Pair`: no world, no threads,
+//! a `time` that only the test advances, and a filter that decides the fate of each packet.
 
 use crate::hears::Hears;
 use csat_agent::agent::{Event, SetMembershipAgent};
@@ -12,7 +12,7 @@ use csat_proto::time::{SimTime, Step};
 
 /// A message for one receiver.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Letter {
+pub struct Packet {
     /// The sender.
     pub src: AgentId,
     /// The receiver.
@@ -25,37 +25,37 @@ pub struct Letter {
     pub bytes: Vec<u8>,
 }
 
-/// What becomes of a letter: one copy arrives after each of these delays, in seconds. None: lost.
-/// Two: repeated. Different ones for different letters: reordered.
-pub type Filter = Box<dyn FnMut(&Letter) -> Vec<f64>>;
+/// The fate of a packet: one copy arrives after each of these delays, seconds. Without a delay the
+/// packet is lost, with two it is repeated, and with different delays packets are reordered.
+pub type Filter = Box<dyn FnMut(&Packet) -> Vec<f64>>;
 
 /// Agents that hear each other through a [`Filter`].
 pub struct Pair {
-    /// Now.
+    /// The current time.
     pub time: SimTime,
     /// k: the step of the last frames.
     pub step: Step,
     /// The agents, by index.
     pub agents: Vec<SetMembershipAgent>,
-    /// Decides what becomes of letters.
+    /// Decides the fate of packets.
     pub filter: Filter,
     /// Every event so far.
     pub events: Vec<(AgentId, Event)>,
     /// Commands not yet taken.
     pub commands: Vec<(AgentId, YawCommand)>,
-    /// Every letter handed over, if [`Self::keep_letters`] was called.
-    pub letters: Vec<Letter>,
+    /// Every packet that was sent since [`Self::keep_packets`] was called.
+    pub packets: Vec<Packet>,
     keeps_letters: bool,
-    in_flight: Vec<(SimTime, Letter)>,
+    in_flight: Vec<(SimTime, Packet)>,
     period_s: f64,
 }
 
-/// Everything arrives at once.
+/// Every packet arrives at once.
 pub fn perfect() -> Filter {
     Box::new(|_| vec![0.0])
 }
 
-/// Nothing arrives.
+/// No packet arrives.
 pub fn silence() -> Filter {
     Box::new(|_| Vec::new())
 }
@@ -71,7 +71,7 @@ impl Pair {
             filter: perfect(),
             events: Vec::new(),
             commands: Vec::new(),
-            letters: Vec::new(),
+            packets: Vec::new(),
             keeps_letters: false,
             in_flight: Vec::new(),
             period_s,
@@ -84,8 +84,8 @@ impl Pair {
         Self::new((0..count).map(agent).collect())
     }
 
-    /// Keeps a copy of every letter from now on.
-    pub fn keep_letters(&mut self) {
+    /// Keeps a copy of every packet from now on.
+    pub fn keep_packets(&mut self) {
         self.keeps_letters = true;
     }
 
@@ -94,15 +94,15 @@ impl Pair {
         &self.agents[index]
     }
 
-    /// One step: time goes to the frames' step, every agent gets its frame, and all is settled
-    /// before the next step begins.
+    /// One step: the time is that of the frames, every agent gets its frame, and all packets and
+    /// timeouts before the next step are handled.
     pub fn step(&mut self, frames: &[Frame]) {
         self.look(frames);
         self.drive();
     }
 
-    /// Goes to the time of the frames and hands them out. `frames` may be fewer than agents: the
-    /// others see nothing in this step.
+    /// Advances to the time of the frames and hands them to the agents. There may be fewer frames
+    /// than agents; agents without a frame get none in this step.
     pub fn look(&mut self, frames: &[Frame]) {
         let Some(first) = frames.first() else { return };
         self.step = first.step;
@@ -112,7 +112,7 @@ impl Pair {
         }
     }
 
-    /// Letters and timeouts, until nothing is left before the next step.
+    /// Handles packets and timeouts until none is left before the next step.
     pub fn drive(&mut self) {
         let end = self.time_of(Step(self.step.0 + 1));
         loop {
@@ -130,7 +130,7 @@ impl Pair {
         }
     }
 
-    /// An agent dies and comes back with its next incarnation and empty knowledge.
+    /// Restarts an agent with its next incarnation and without knowledge.
     pub fn restart(&mut self, index: usize) {
         let config = self.agents[index].config().clone();
         let incarnation = Incarnation(config.incarnation.0 + 1);
@@ -146,7 +146,7 @@ impl Pair {
         SimTime::from_seconds(f64::from(step.0) * self.period_s)
     }
 
-    /// Takes everything the agents have to say and asks the filter about each letter.
+    /// Collects the messages of all agents and applies the filter to each packet.
     fn collect(&mut self) {
         let ids = 0..self.agents.len() as u16;
         for (src, agent) in ids.clone().map(AgentId).zip(&mut self.agents) {
@@ -155,25 +155,25 @@ impl Pair {
             while let Some(transmit) = agent.poll_transmit() {
                 for dst in ids.clone().map(AgentId).filter(|&dst| dst != src) {
                     let (sequence, bytes) = (transmit.sequence, transmit.bytes.clone());
-                    let letter = Letter { src, dst, sequence, sent: self.time, bytes };
-                    for delay_s in (self.filter)(&letter) {
-                        self.in_flight.push((self.time.after(delay_s), letter.clone()));
+                    let packet = Packet { src, dst, sequence, sent: self.time, bytes };
+                    for delay_s in (self.filter)(&packet) {
+                        self.in_flight.push((self.time.after(delay_s), packet.clone()));
                     }
                     if self.keeps_letters {
-                        self.letters.push(letter);
+                        self.packets.push(packet);
                     }
                 }
             }
         }
     }
 
-    /// Delivers what is due, in the order of arrival.
+    /// Delivers the packets that are due, in the order of arrival.
     fn deliver(&mut self) {
         let now = self.time;
         let mut due: Vec<_> = self.in_flight.extract_if(.., |(at, _)| *at <= now).collect();
         due.sort_by_key(|(at, _)| *at);
-        for (_, letter) in due {
-            self.agents[usize::from(letter.dst.0)].hear(now, &letter.bytes);
+        for (_, packet) in due {
+            self.agents[usize::from(packet.dst.0)].hear(now, &packet.bytes);
         }
     }
 }

@@ -1,12 +1,12 @@
-//! Tests over many seeds. A failing seed says how to run it alone.
+//! Tests over many seeds. A failing seed prints how to run it alone.
 
 use std::ops::Range;
 
-/// The variable that picks one seed.
+/// The environment variable that selects one seed.
 const VARIABLE: &str = "CSAT_SEED";
 
-/// Runs `check` for every seed of a range, or only for the one in `CSAT_SEED`. `test` is what
-/// `cargo test` needs to find the caller: its file and its name.
+/// Runs `check` for every seed of a range, or only for the one in `CSAT_SEED`. `test` is the file and
+/// the name of the calling test, for `cargo test`.
 pub fn for_seeds(test: [&'static str; 2], seeds: Range<u64>, mut check: impl FnMut(u64)) {
     let seeds = picked().map_or(seeds, |seed| seed..seed + 1);
     for seed in seeds {
@@ -15,7 +15,7 @@ pub fn for_seeds(test: [&'static str; 2], seeds: Range<u64>, mut check: impl FnM
     }
 }
 
-/// Whether a single seed is being replayed: counts over all seeds mean nothing then.
+/// Whether a single seed is replayed, so that counts over all seeds have no meaning.
 pub fn is_replay() -> bool {
     picked().is_some()
 }

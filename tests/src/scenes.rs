@@ -1,4 +1,4 @@
-//! Random scenes, poses and cameras: rich in what is hard, and within every assumption.
+//! Random scenes, poses and cameras: with many hard cases, and within all assumptions.
 
 use std::f64::consts::TAU;
 
@@ -19,18 +19,18 @@ use crate::geometry::{Point, distance_m, distance_to_rings_m, edges};
 
 mod shapes;
 
-/// One frame to be taken: everything true, and what the agent is told.
+/// One frame to be taken: the true scene, and the configuration of the agent.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// What it was drawn from.
+    /// The seed that it was drawn from.
     pub seed: u64,
-    /// What the agent knows beforehand.
+    /// The configuration of the agent.
     pub config: AgentConfig,
     /// Obstacles, then targets.
     pub scene: Scene,
-    /// Where the targets are.
+    /// The true states of the targets.
     pub targets: Vec<TargetTruth>,
-    /// Where the UAV is.
+    /// The pose of the UAV.
     pub pose: Pose,
 }
 
@@ -47,7 +47,7 @@ impl Case {
         Self { seed, config, scene, targets, pose }
     }
 
-    /// The same with a camera that does not roll, and another assumption.
+    /// The case of a seed with a camera without roll, and another assumption.
     pub fn level(seed: u64, assumption: Assumption) -> Self {
         let mut case = Self::random(seed);
         case.pose.roll_rad = 0.0;
@@ -55,7 +55,7 @@ impl Case {
         case
     }
 
-    /// What the camera reports.
+    /// The frame of the camera.
     pub fn frame(&self) -> Frame {
         let mut renderer = Renderer::new(self.config.camera);
         renderer.frame(&self.scene, &self.pose, Step(1), self.seed, AgentId(0))
@@ -67,13 +67,13 @@ impl Case {
         self.scene.prisms.iter().filter(is_obstacle).map(|prism| prism.rings.as_slice())
     }
 
-    /// How far the nearest obstacle is, metres.
+    /// The distance to the nearest obstacle, metres.
     pub fn distance_to_obstacles_m(&self, p: Point) -> f64 {
         self.obstacles().map(|rings| distance_to_rings_m(rings, p)).fold(f64::INFINITY, f64::min)
     }
 }
 
-/// A frame that shows nothing: an agent that gets it only predicts.
+/// A frame whose pixels are all Unknown: an agent that gets it only predicts.
 pub fn blind(camera: &CameraModel, step: Step, pose: Pose) -> Frame {
     let (labels, depth) = (vec![Label::Unknown; camera.pixels()], vec![0; camera.pixels()]);
     Frame { step, pose, labels, depth, detections: Vec::new() }
@@ -148,7 +148,7 @@ fn obstacles(rng: &mut ChaCha8Rng, ground: &Ground, altitude_m: f64) -> Vec<Pris
         placed.push((centre, radius_m));
         let angle = rng.random_range(0.0..TAU);
         let rings = rings.iter().map(|ring| shapes::placed(ring, centre, angle)).collect();
-        // Some reach almost up to the camera.
+        // Some obstacles reach almost up to the camera.
         let tallest: f64 = if rng.random_bool(0.2) { altitude_m - 0.5 } else { 25.0 };
         let height_m = rng.random_range(2.0..tallest);
         prisms.push(Prism { entity: Entity::Obstacle(prisms.len() as u32), rings, height_m });
@@ -185,7 +185,7 @@ fn targets(rng: &mut ChaCha8Rng, config: &AgentConfig, prisms: &[Prism]) -> Vec<
     targets
 }
 
-/// What a target is put next to.
+/// What a target is placed next to.
 enum Anchor {
     Wall(Point),
     Target(Point),
@@ -211,7 +211,8 @@ fn anchor(
     }
 }
 
-/// Mostly looking at something; sometimes above it, or over the border looking in or out.
+/// A pose that mostly looks at an obstacle or target; sometimes above one, or at the border looking
+/// in or out.
 fn pose(
     rng: &mut ChaCha8Rng,
     config: &AgentConfig,

@@ -1,4 +1,4 @@
-//! What must hold between a scene and what an agent makes of it.
+//! Checks of measured sets and knowledge against the scene.
 
 use csat_agent::estimate::state::Knowledge;
 use csat_agent::sense::Measured;
@@ -14,15 +14,15 @@ use crate::scenes::Case;
 /// Rounding of a measured outer set to the grid, metres.
 pub const ROUNDING_M: f64 = 2e-5;
 
-/// The guarantee: the targets that knowledge rules out where they are, with how far it is wrong,
-/// metres.
+/// The targets whose location the knowledge excludes, against the guarantee, with their distance from
+/// its set, metres.
 pub fn broken(knowledge: &Knowledge, targets: &[TargetTruth]) -> Vec<(TargetTruth, f64)> {
     let distance = |t: &TargetTruth| knowledge.set_of(t.id).region().distance_m(t.location);
     let all = targets.iter().map(|t| (*t, distance(t)));
     all.filter(|(_, distance)| *distance > TOLERANCE_M).collect()
 }
 
-/// How much a frame had to say: a test whose frames say nothing proves nothing.
+/// Counts of what frames proved: a test whose frames prove nothing is worthless.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Said {
     /// Frames with clear ground.
@@ -33,16 +33,16 @@ pub struct Said {
     pub margin_points: u32,
     /// Detections.
     pub detections: u32,
-    /// Those that exclude others.
+    /// Detections with an exclusion.
     pub exclusions: u32,
-    /// Targets that are within a metre of an exclusion or margin without being in it.
+    /// Targets outside an exclusion or margin and within a metre of it.
     pub close_calls: u32,
     /// Cells of the OEM called Empty.
     pub empty_cells: u32,
 }
 
 impl Said {
-    /// Adds what another frame said.
+    /// Adds the counts of another frame.
     pub fn add(&mut self, other: &Said) {
         self.clear += other.clear;
         self.margins += other.margins;
@@ -54,10 +54,10 @@ impl Said {
     }
 }
 
-/// Holds everything that a frame proved against the scene.
+/// Checks all that a frame proved against the scene.
 ///
 /// # Panics
-/// When something is not true.
+/// When a set is wrong.
 pub fn check_frame(case: &Case, measured: &Measured) -> Said {
     let mut said = Said {
         clear: u32::from(!measured.clear_ground.is_empty()),

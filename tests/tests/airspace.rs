@@ -1,4 +1,4 @@
-//! Towns with buildings higher than the flights.
+//! Towns with buildings higher than the UAVs fly.
 
 use csat_agent::config::Criterion;
 use csat_agent::guidance::airspace::Airspace;
@@ -24,7 +24,7 @@ fn tall(seed: u64) -> Scenario {
     scenario
 }
 
-/// Whatever a frame proves to be free is free, with the clearance below.
+/// All airspace that a frame proves to be free is free, with the clearance below.
 #[test]
 fn no_building_reaches_into_airspace_that_was_seen_to_be_free() {
     let mut cells = 0;
@@ -80,7 +80,7 @@ fn whoever_flies_around_buildings_hits_none() {
     });
 }
 
-/// The same towns, flown by agents that do not look where they fly: the monitor notices.
+/// The same towns with agents that do not avoid buildings: the monitor detects it.
 #[test]
 fn whoever_does_not_look_hits_some() {
     let hit = |seed: &u64| {
@@ -113,8 +113,7 @@ fn helsinki_with_towers_is_flown_around() {
     });
 }
 
-/// Walls between UAVs: what is heard depends on what they do to radio. Without any above the flights
-/// nothing does.
+/// Walls between UAVs obstruct radio; where no building reaches the UAVs, none does.
 #[test]
 fn walls_between_uavs_are_heard() {
     let dropped = |seed: u64, is_tall: bool, db: f64| {
@@ -131,5 +130,5 @@ fn walls_between_uavs_are_heard() {
     let (open, walled) = (total(true, 0.0), total(true, 40.0));
     println!("{open} messages dropped with 0 dB, {walled} with 40 dB");
     assert!(walled > open + 100, "{open} {walled}");
-    assert_eq!(total(false, 0.0), total(false, 40.0), "below the flights walls hide nobody");
+    assert_eq!(total(false, 0.0), total(false, 40.0), "walls below the flights obstruct no radio");
 }

@@ -1,4 +1,4 @@
-//! Whatever a frame claims is true: random scenes, poses, cameras and noise against the scene itself.
+//! All that a frame proves is true: random scenes, poses, cameras and noise against the scene itself.
 
 use csat_agent::sense::Sensor;
 use csat_tests::replay::{for_seeds, is_replay};
@@ -20,7 +20,7 @@ fn whatever_a_frame_claims_is_true() {
     if is_replay() {
         return;
     }
-    // The scenes are hard enough and the frames say enough for a mistake to show.
+    // The scenes are hard enough and the frames prove enough to detect a mistake.
     assert!(said.clear > 4000 && said.margins > 1000 && said.margin_points > 50_000, "{said:?}");
     assert!(said.detections > 3000 && said.exclusions > 1000, "{said:?}");
     assert!(said.close_calls > 200 && said.empty_cells > 50_000, "{said:?}");

@@ -1,17 +1,17 @@
-//! What a mission costs is bounded, whatever a legal scenario says: by counts of work, not by a clock.
+//! The work of a mission is bounded for every legal scenario, by counts instead of a clock.
 
 use csat_agent::work::{self, Work};
 use csat_experiments::scenario::Loaded;
 use csat_tests::drawn::{self, largest_set};
 use csat_tests::flight::Flight;
 
-/// Edges that an agent may hand to Boolean operations in a step, for each vertex that a set may have.
+/// Edges that an agent may hand to Boolean operations in a step, per vertex that a set may have.
 const EDGES_PER_VERTEX: u64 = 40;
-/// Edges times metres that it may sweep in a step, likewise.
+/// Edges times metres that it may sweep in a step, per vertex that a set may have.
 const SWEPT_M_PER_VERTEX: f64 = 20.0;
 
-/// Flies the first `steps` and checks that no step of the fleet takes more work than so many sets of so
-/// many vertices explain. Gives the most work in a step.
+/// Flies the first `steps` and checks that the work of every step of the fleet is within the bounds
+/// for its number of sets and vertices. Returns the most work in a step.
 fn fly(name: &str, loaded: Loaded, steps: u32) -> Work {
     let Loaded { scenario, world, .. } = loaded;
     let steps = steps.min(scenario.steps());
@@ -27,7 +27,7 @@ fn fly(name: &str, loaded: Loaded, steps: u32) -> Work {
     }
     println!("{name}: {most:?} in a step, {largest} vertices");
     let budget = scenario.estimator.max_vertices;
-    // What was cut since it grew may have more again.
+    // Sets that were cut after they grew may have more vertices.
     assert!(largest <= 3 * budget as usize, "{name}: a set of {largest} vertices");
     let agents = u64::from(scenario.agents.count);
     let bound = EDGES_PER_VERTEX * u64::from(budget) * agents;
@@ -46,7 +46,7 @@ fn slow(name: &str) -> Loaded {
 #[test]
 fn sets_that_grow_far_at_once_are_swept_in_stages() {
     let most = fly("long-reach", slow("long-reach"), 19);
-    // At once it would be 40 m times all vertices.
+    // In one stage it would be 40 m times all vertices.
     assert!(most.swept_m < 130_000.0, "{most:?}");
 }
 
@@ -78,7 +78,7 @@ fn a_camera_that_sees_a_thousand_kilometres() {
     fly("far-sight", slow("far-sight"), 6);
 }
 
-/// A few steps of scenarios of all kinds; `cargo run -p csat-tests --example drawn` flies whole ones.
+/// A few steps of random scenarios; `cargo run -p csat-tests --example drawn` flies whole ones.
 #[test]
 fn drawn_scenarios() {
     for seed in 0..12 {

@@ -1,4 +1,4 @@
-//! Same scenario and seed: same digest, whatever the number of threads and whoever watches.
+//! Same scenario and seed: same digest, for any number of threads and any observers.
 
 use csat_agent::config::ExchangeMode;
 use csat_experiments::set_membership::SetMembership;
@@ -53,8 +53,8 @@ fn measuring_changes_nothing() {
     assert_eq!(measured, fly(&scenario, STEPS));
 }
 
-/// Agents of one process take over each other's results; with every fault there is, they are the same
-/// as if each had worked for its own.
+/// Agents of one process share results; with all faults the results are the same as if each agent had
+/// computed them itself.
 #[test]
 fn sharing_work_changes_nothing() {
     let perfect = small(3, 120.0, 4);
@@ -67,8 +67,8 @@ fn sharing_work_changes_nothing() {
     });
 }
 
-/// Whoever told a snapshot does not hear it, and ends with the same bits as those who did: while one
-/// of them is cut off the others know the same, and afterwards all hear two different snapshots.
+/// The sender of a snapshot does not receive it, and has the same bits as the receivers. While one
+/// agent is cut off the others know the same, and afterwards all receive two different snapshots.
 #[test]
 fn a_neighbour_that_comes_back_changes_nothing_in_that() {
     for mode in [ExchangeMode::Snapshot, ExchangeMode::FactsRepair] {

@@ -1,5 +1,5 @@
-//! With perfect links it does not matter how knowledge is exchanged: facts, snapshots and facts with
-//! repairs give the same knowledge, and all agents have it, to the last bit.
+//! With perfect links the mode of exchange does not matter: facts, snapshots and facts with repairs
+//! give the same knowledge, and all agents have it, to the last bit.
 
 use csat_agent::config::ExchangeMode;
 use csat_proto::agent::Agent;
@@ -12,7 +12,7 @@ const STEPS: u32 = 60;
 const MODES: [ExchangeMode; 3] =
     [ExchangeMode::Snapshot, ExchangeMode::Facts, ExchangeMode::FactsRepair];
 
-/// Steered by script: what is known must not decide where to look.
+/// A script, so that the knowledge does not change the paths.
 fn sweep(step: u32, agent: u16) -> f64 {
     f64::from(step / 6) * 0.35 + f64::from(agent) * 0.8 - 1.0
 }
@@ -21,7 +21,7 @@ fn fleet(seed: u64, mode: ExchangeMode) -> Flight {
     Flight::scripted(&with_mode(small(seed, 120.0, 3), mode), sweep)
 }
 
-/// However few vertices sets may have: all simplify the same sets at the same time.
+/// For every limit of vertices: all agents simplify the same sets at the same time.
 #[test]
 fn limited_to_few_vertices_they_give_the_same_bits_to_all_too() {
     for seed in 0..3 {
@@ -79,7 +79,7 @@ fn facts_snapshots_and_both_give_the_same_bits_to_all() {
     assert!(is_replay() || (identified > 6 && unexplored < 0.7));
 }
 
-/// What was compared above is something exchanged: alone, UAVs know clearly less, and not the same.
+/// The exchange matters: without it UAVs know clearly less, and not the same.
 #[test]
 fn alone_they_know_less() {
     let mut alone = fleet(0, ExchangeMode::None);

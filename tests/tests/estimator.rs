@@ -1,4 +1,4 @@
-//! Predict, correct and fuse: what is true stays in, in whatever order and however late it is told.
+//! Predict, correct and fuse: true locations stay in the sets, for any order and delay of messages.
 
 mod estimator {
     pub mod aging;

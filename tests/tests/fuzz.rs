@@ -1,4 +1,4 @@
-//! What fuzzers found worth keeping, once more: `fuzz/README.md`.
+//! Replays the inputs that fuzzers kept: `fuzz/README.md`.
 
 use std::path::Path;
 
@@ -22,7 +22,7 @@ fn whatever_was_kept_is_harmless() {
     }
 }
 
-/// Honest inputs, and lies with a shape.
+/// Valid inputs, and false messages that decode.
 #[test]
 fn the_fuzzers_begin_with_what_is_harmless() {
     let (mut lies, seeds) = (0, seeds());

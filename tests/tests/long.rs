@@ -1,4 +1,4 @@
-//! Half an hour: sets stay small, and true.
+//! Half an hour: sets stay small, and the guarantee holds.
 
 use csat_agent::agent::SetMembershipAgent;
 use csat_tests::flight::Flight;
@@ -9,7 +9,7 @@ const STEPS: usize = 3600;
 /// Until most of the region was seen once, steps.
 const WARM_UP: usize = 300;
 
-/// Vertices of everything that an agent holds.
+/// Vertices of all sets of an agent.
 fn vertices(agent: &SetMembershipAgent) -> usize {
     let knowledge = agent.knowledge();
     let targets = knowledge.targets.values().map(|set| set.region().vertex_count());

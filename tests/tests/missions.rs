@@ -1,4 +1,4 @@
-//! Whole missions: nothing that must never happen does.
+//! Whole missions without violations.
 
 use csat_agent::config::{Criterion, ExchangeMode, Schedule};
 use csat_experiments::scenario::Scenario;
@@ -6,7 +6,8 @@ use csat_netem::config::{DelayConfig, LossConfig};
 use csat_tests::missions::{fly, small};
 use csat_tests::replay::{for_seeds, is_replay};
 
-/// 36 combinations, over 10 seeds: every combination flies two of them, every seed seven or eight.
+/// 36 combinations over 10 seeds: every combination flies two seeds, every seed seven or eight
+/// combinations.
 #[test]
 fn every_way_to_plan_and_to_talk_is_sound() {
     let criteria = [Criterion::Str1, Criterion::Str2NoHidden, Criterion::Str2, Criterion::Str3];

@@ -1,4 +1,4 @@
-//! The swarm notices every known mistake.
+//! The swarm detects every known mistake.
 
 use std::collections::BTreeSet;
 
@@ -6,12 +6,12 @@ use csat_agent::mutant::{Mutant, switch};
 use csat_tests::swarm;
 use rayon::prelude::*;
 
-/// Seeds after which a mistake counts as unnoticed.
+/// Seeds after which a mistake counts as undetected.
 const SEEDS: u64 = 400;
 /// Seeds flown at once.
 const BATCH: u64 = 8;
 
-/// The first seed that notices, and what it notices.
+/// The first seed that detects the mistake, and its error.
 fn noticed() -> Option<(u64, String)> {
     (0..SEEDS).step_by(BATCH as usize).find_map(|start| {
         let batch = (start..start + BATCH).into_par_iter();

@@ -1,4 +1,5 @@
-//! Ground stations: agents without camera that hear, merge and relay, and that walls stand before.
+//! Ground stations: agents without camera that receive, merge and relay, and whose radio walls
+//! obstruct.
 
 use std::collections::BTreeMap;
 
@@ -32,7 +33,7 @@ fn engine(scenario: &Scenario) -> Mission {
     Engine::new(SetMembership::new(scenario), world, &scenario.netem, scenario.seed)
 }
 
-/// One more step, in which nothing was violated.
+/// One more step, without violations.
 fn step(engine: &mut Mission) -> StepTrace<SetMembership> {
     let trace = engine.step();
     assert_eq!(trace.violations, [], "step {}", trace.step);
@@ -43,8 +44,8 @@ fn unexplored_m2(engine: &Mission, agent: usize) -> f64 {
     engine.nodes()[agent].agent.knowledge().unexplored.region().area_m2()
 }
 
-/// Where links are perfect a station knows what the UAVs know, to the last bit, and the fleet flies and
-/// knows what it does without one.
+/// With perfect links a station has the knowledge of the UAVs, to the last bit, and the fleet flies
+/// and knows the same as without a station.
 #[test]
 fn with_perfect_links_a_station_knows_what_the_fleet_knows() {
     for mode in MODES {
@@ -81,18 +82,18 @@ fn without_exchange_a_station_knows_nothing() {
     assert_eq!(engine.nodes()[2].agent.news_age_s(), Some(10.0));
 }
 
-/// Two UAVs 100 m above each other hear 95 m far, and a station between them is heard by both.
+/// Two UAVs 100 m above each other with a range of 95 m, and a station between them in range of both.
 fn apart(mode: ExchangeMode, stations: Vec<Station>) -> Scenario {
     let mut scenario = with_mode(small(5, 140.0, 2), mode);
     (scenario.agents.altitude_step_m, scenario.agents.altitude_band_m) = (100.0, 100.0);
     scenario.camera.d_max_m = 400.0;
-    // Where they fly must not depend on what they know.
+    // Their paths must not depend on their knowledge.
     scenario.guidance.criterion = Criterion::Circles;
     scenario.netem.radio.range_m = 95.0;
     Scenario { stations, ..scenario }
 }
 
-/// What the last message of an agent in a step says that it holds.
+/// The held facts in the last message of an agent in a step.
 fn held(trace: &StepTrace<SetMembership>, agent: u16) -> Option<Vec<HeldFacts>> {
     let mut own = trace.passages.iter().filter(|passage| passage.sent.src == AgentId(agent));
     own.find_map(|passage| {
@@ -133,14 +134,14 @@ fn uavs_that_do_not_hear_each_other_learn_through_a_station() {
     assert!(held.iter().all(|count| *count > 40), "facts of the other UAV: {held:?}");
     println!("{together_m2:?} m² unexplored, {apart_m2:?} m² without the station");
     assert!((0..2).all(|uav| together_m2[uav] < 0.95 * apart_m2[uav]));
-    // With facts alone only who took a frame says what it proves.
+    // With facts alone, only the UAV that took a frame sends what it proves.
     let (_, silent_m2, silent) = fly(ExchangeMode::Facts, station);
     let said = silent.per_link().into_iter().filter(|((src, ..), _)| *src == AgentId(2));
     assert_eq!(said.map(|(_, link)| link.counts.sent).sum::<u64>(), 0);
     assert!(silent_m2.iter().zip(apart_m2).all(|(a, b)| (a - b).abs() < 1e-6 * b), "{silent_m2:?}");
 }
 
-/// A message lost on its way from the station proves nothing: no UAV says a snapshot for it.
+/// A lost message of the station proves nothing: no UAV sends a snapshot for it.
 #[test]
 fn what_a_station_says_is_not_repaired() {
     let mut scenario = small(3, 120.0, 2);
@@ -157,7 +158,7 @@ fn what_a_station_says_is_not_repaired() {
         for passage in trace.passages.iter().filter(|passage| passage.sent.src.0 < 2) {
             let body = Envelope::decode(&passage.bytes).expect("an envelope").body;
             let message = postcard::from_bytes(&body).expect("a message");
-            // Each says one at its first turn, whatever others lack.
+            // Each agent sends one regular snapshot at its first turn.
             snapshots += u32::from(k > 10 && matches!(message, Message::Snapshot(_)));
         }
     }
@@ -188,7 +189,7 @@ fn a_station_that_crashes_comes_back_and_learns_again() {
     assert!(known_m2[60] > 0.95 * fleet_m2, "{} of {fleet_m2} m²", known_m2[60]);
 }
 
-/// The widest building and where to stand south of it, at its wall.
+/// A station at the south wall of the widest building, and the obstacles.
 fn beside_a_wall(scenario: &Scenario) -> (Station, Vec<Obstacle>) {
     let world = world_of(scenario).expect("a world");
     let lowest = |o: &Obstacle| {
@@ -200,7 +201,8 @@ fn beside_a_wall(scenario: &Scenario) -> (Station, Vec<Obstacle>) {
     (at(x_m, y_m - 0.5, 1.5), world.obstacles().to_vec())
 }
 
-/// Whether some point of the way between two antennas is in a building: none of `world::radio`'s means.
+/// Whether a point of the line between two antennas is in a building, by other means than
+/// `world::radio`.
 fn passes_a_building(obstacles: &[Obstacle], a: [f64; 3], b: [f64; 3]) -> bool {
     let inside = |p: [f64; 3], o: &Obstacle| {
         let crossings = o.rings().flat_map(|ring| {
@@ -243,7 +245,7 @@ fn walls_decide_what_a_station_hears() {
                 let is_behind = obstruction_db > 0.0
                     && passes_a_building(&obstacles, sent.src_p_world, sent.dst_p_world);
                 assert!(is_lost || !is_behind, "{:?} to {:?}", sent.src_p_world, sent.dst_p_world);
-                // A corner may lie between two of the points that were looked at.
+                // A corner may lie between two of the sampled points.
                 grazing += u32::from(is_lost && !is_behind);
                 if sent.src.0 < 2 && sent.dst.0 < 2 {
                     assert!(!is_lost, "both fly above the roofs");
@@ -270,7 +272,7 @@ fn where_no_station_can_be_is_told() {
         errors.map_or_else(|errors| errors.errors, |_| Vec::new())
     };
     assert_eq!(errors(vec![beside]), []);
-    // A hair north of the corner there is no room beside the building but in it.
+    // Slightly north of the corner a station would be in the building.
     let building = obstacles.iter().max_by(|a, b| a.area_m2().total_cmp(&b.area_m2())).unwrap();
     let ring = building.rings().next().unwrap();
     let middle = [0, 1].map(|axis| (ring[0][axis] + ring[1][axis]) / 2.0);

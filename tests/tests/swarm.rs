@@ -1,4 +1,4 @@
-//! The soundness swarm: a fixed few hundred seeds, those that once failed, and a few fresh ones.
+//! The soundness swarm: a few hundred fixed seeds, those that once failed, and a few new ones.
 //!
 //! `CSAT_SEEDS=10000` flies that many instead, `CSAT_SEEDS=500..700` those; `CSAT_SEED=7` flies one.
 
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 /// Seeds that are flown every time.
 const FIXED: u64 = 300;
-/// Seeds that nobody has flown before.
+/// New seeds, which no earlier run has flown.
 const FRESH: u64 = 20;
 /// Seeds that failed once; failing ones are added.
 const REGRESSIONS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/swarm_regressions.txt");
@@ -49,7 +49,7 @@ fn seeds() -> Vec<u64> {
     seeds
 }
 
-/// Writes a seed down so that it is flown from now on.
+/// Adds a seed to the regressions.
 fn keep(seed: u64, law: &str) {
     if !Path::new(REGRESSIONS).exists() || regressions().contains(&seed) {
         return;

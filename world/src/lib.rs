@@ -1,5 +1,5 @@
-//! What is true: the town, the cars, the UAVs, the frames of their cameras, and the monitor that checks the
-//! guarantee from outside the agents.
+//! What is true: the town, the cars, the UAVs, the frames of their cameras, and the monitor that
+//! checks the guarantee from outside the agents.
 //!
 //! | module | what it holds |
 //! |---|---|

@@ -89,8 +89,8 @@ impl Walls {
         nearest
     }
 
-    /// The index and the walls of every obstacle whose bounding box is within `reach_m` of the bounding box
-    /// of the segment.
+    /// The index and the walls of every obstacle whose bounding box is within `reach_m` of the
+    /// bounding box of the segment.
     pub(crate) fn near_segment(
         &self,
         [a, b]: [Point; 2],

@@ -86,8 +86,8 @@ mod tests {
     }
 
     proptest! {
-        /// Against samples along the line: a sample inside the walls is an obstruction, and every obstruction
-        /// that is not tiny has a sample inside the walls.
+        /// Against samples along the line: a sample inside the walls is an obstruction, and every
+        /// obstruction that is not tiny has a sample inside the walls.
         #[test]
         fn lines_agree_with_points_along_them(
             a in [-20.0..30.0, -20.0..30.0, 0.1..30.0f64],

@@ -19,8 +19,8 @@ pub(crate) enum StreamPurpose {
 
 /// The stream of `purpose` under the scenario's `seed`.
 pub(crate) fn stream(seed: u64, purpose: StreamPurpose) -> ChaCha8Rng {
-    // The upper half is the purpose (in ASCII, so that it is unlikely to equal a tag of another module), the
-    // lower half the index of the car.
+    // The upper half is the purpose (in ASCII, so that it is unlikely to equal a tag of another
+    // module), the lower half the index of the car.
     let (tag, index) = match purpose {
         StreamPurpose::Streets => (*b"road", 0),
         StreamPurpose::Buildings => (*b"town", 0),

@@ -91,9 +91,10 @@ pub struct PlacementError {
 
 /// All cars on the roads of a town.
 ///
-/// Each car drives at its own constant speed, takes a random turn at every junction and turns round at dead
-/// ends. Cars move one after the other. A car moves only if it stays far enough from the current locations
-/// of all others, so by induction the separation always holds. A car that waited for a while turns round.
+/// Each car drives at its own constant speed, takes a random turn at every junction and turns round
+/// at dead ends. Cars move one after the other. A car moves only if it stays far enough from the
+/// current locations of all others, so by induction the separation always holds. A car that waited
+/// for a while turns round.
 #[derive(Debug, Clone)]
 pub(crate) struct Traffic {
     cars: Vec<Car>,
@@ -107,8 +108,8 @@ struct Car {
     rng: ChaCha8Rng,
     /// Steps spent waiting.
     waited: u32,
-    /// Steps after which it turns round. It differs from car to car, so that no two block each other for
-    /// ever.
+    /// Steps after which it turns round. It differs from car to car, so that no two block each other
+    /// for ever.
     patience: u32,
     /// Its manner when it evades.
     manner: evade::Manner,

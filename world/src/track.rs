@@ -1,9 +1,9 @@
-//! Scripted cars: they follow tracks, which are places at times, with straight lines at constant speed in
-//! between. Before its first place and after its last one a car stands still.
+//! Scripted cars: they follow tracks, which are places at times, with straight lines at constant
+//! speed in between. Before its first place and after its last one a car stands still.
 //!
-//! The guarantee assumes that cars keep to the model: the speed (5.34), the separations (3.8) and (3.11),
-//! the region. [`Tracks::faults`] checks the tracks as continuous motions, exactly, so that no mission
-//! starts whose cars break the assumptions of the agents.
+//! The guarantee assumes that cars keep to the model: the speed (5.34), the separations (3.8) and
+//! (3.11), the region. [`Tracks::faults`] checks the tracks as continuous motions, exactly, so that
+//! no mission starts whose cars break the assumptions of the agents.
 
 use std::fmt;
 
@@ -395,8 +395,8 @@ impl Scripted {
         Self { tracks, truths }
     }
 
-    /// Lets time pass until `time_s`, which is `period_s` after the last time. The turn rate of bodies is
-    /// bounded as for other cars.
+    /// Lets time pass until `time_s`, which is `period_s` after the last time. The turn rate of
+    /// bodies is bounded as for other cars.
     pub(crate) fn advance_to(&mut self, time_s: f64, period_s: f64) {
         for (truth, track) in self.truths.iter_mut().zip(&self.tracks.0) {
             let (location, way) = place(track, time_s);

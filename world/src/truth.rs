@@ -1,5 +1,5 @@
-//! The monitor of the world: checks at every step of every run that what the theory presumes of cars, UAVs
-//! and messages holds (docs/concepts/guarantee.md). What a mission promises of its agents, its judge checks.
+//! The monitor of the world: it checks at every step of every run that the assumptions of the theory about cars,
+//! UAVs and messages hold (docs/concepts/guarantee.md). A mission's judge checks what the mission promises.
 
 use std::collections::BTreeMap;
 
@@ -269,8 +269,8 @@ impl Monitor {
         self.record(step, faults)
     }
 
-    /// Checks that no UAV is nearer to a building than [`FLIGHT_CLEARANCE_M`], over it or beside it, and that
-    /// none was on the straight way from its pose at the last check. `poses` are by agent.
+    /// Checks that no UAV is nearer to a building than [`FLIGHT_CLEARANCE_M`], over it or beside it,
+    /// and that none was on the straight way from its pose at the last check. `poses` are by agent.
     pub fn check_flights(&mut self, step: Step, poses: &[Pose]) -> Vec<Violation> {
         let mut faults = Vec::new();
         for (index, pose) in poses.iter().enumerate() {
@@ -288,8 +288,8 @@ impl Monitor {
         self.record(step, faults)
     }
 
-    /// Of the obstacles that a UAV comes too near to on its way between two poses, the nearest one and its
-    /// distance.
+    /// Of the obstacles that a UAV comes too near to on its way between two poses, the nearest one
+    /// and its distance.
     fn nearest_on_way(&self, from: &Pose, to: &Pose) -> Option<(usize, f64)> {
         let [a, b] = [from, to].map(|pose| [pose.p_world[0], pose.p_world[1]]);
         let floor_m = from.p_world[2].min(to.p_world[2]) - FLIGHT_CLEARANCE_M;

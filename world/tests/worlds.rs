@@ -30,8 +30,8 @@ fn worlds() -> [(&'static str, WorldConfig); 3] {
     ]
 }
 
-/// Drives for `steps` under the monitor; `drove` gets the world and each car before and after a period, with
-/// the way between.
+/// Drives for `steps` under the monitor; `drove` gets the world and each car before and after a
+/// period, with the way between.
 fn drive(
     name: &str,
     world: &mut World,

@@ -26,9 +26,9 @@ pub enum Event {
         /// j.
         target: TargetId,
     },
-    /// No increment is known to keep clear of buildings, and no way out is left of the decision before. The
-    /// UAV flies the increment that keeps clear longest of places where a building may stand. Reported when
-    /// this begins.
+    /// No increment is known to keep clear of buildings, and no way out is left of the decision
+    /// before. The UAV flies the increment that keeps clear longest of places where a building may
+    /// stand. Reported when this begins.
     NoWayOut {
         /// The step of the decision.
         step: Step,

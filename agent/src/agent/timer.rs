@@ -6,8 +6,8 @@
 /// together with the next own frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Timer {
-    /// The own frame was measured and is to be applied, with all facts that arrived, once all messages of
-    /// this instant have arrived.
+    /// The own frame was measured and is to be applied, with all facts that arrived, once all
+    /// messages of this instant have arrived.
     OwnFrame,
     /// A plan of another UAV arrived, for which a pass of guidance may have waited.
     PlanArrived,

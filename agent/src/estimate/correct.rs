@@ -13,16 +13,16 @@ use crate::sense::MeasuredTarget;
 
 /// Corrects predicted knowledge.
 ///
-/// All detections are intersected with the predicted sets before any exclusion is applied: a detection must
-/// not be intersected with an X̄ from which its own exclusion was taken already.
+/// All detections are intersected with the predicted sets before any exclusion is applied: a
+/// detection must not be intersected with an X̄ from which its own exclusion was taken already.
 pub(super) fn correct(knowledge: &mut Knowledge, predicted: &Predicted, evidence: &[Evidence]) {
     knowledge.learn_margin(evidence.iter().map(|e| &e.obstacle_margin)); // (4.28)
     let margin = &knowledge.margin;
     let seen = || evidence.iter().flat_map(|e| &e.targets);
     let disproved = |target: Option<TargetId>| {
         let exclusions = seen().filter(move |s| applies_to(s, target)).map(|s| &s.exclusion);
-        // X° was simplified as it grew. The parts are applied unsimplified as well, so that their order does
-        // not matter.
+        // X° was simplified as it grew. The parts are applied unsimplified as well, so that their
+        // order does not matter.
         let parts = evidence.iter().flat_map(|e| [&e.clear_ground, &e.obstacle_margin]);
         parts.chain([margin]).chain(exclusions).collect::<Vec<&Inner>>()
     };

@@ -54,8 +54,8 @@ impl Evidence {
 
 /// Turns old sets into sets of the current step.
 ///
-/// A target moves by at most d = v_max·(age + bound of the clock skew), so outer approximations are dilated by
-/// d and inner ones eroded.
+/// A target moves by at most d = v_max·(age + bound of the clock skew), so outer approximations are
+/// dilated by d and inner ones eroded.
 #[derive(Debug, Clone)]
 pub struct Ager {
     v_max_m_s: f64,
@@ -77,7 +77,8 @@ impl Ager {
         }
     }
 
-    /// The disc within which a target may move between two steps of two clocks; `None` if it cannot move.
+    /// The disc within which a target may move between two steps of two clocks; `None` if it cannot
+    /// move.
     pub fn reach(&self, a: Step, b: Step) -> Option<Reach> {
         let age_s = f64::from(a.0.abs_diff(b.0)) * self.period_s;
         let radius_m = self.v_max_m_s * (age_s + self.clock_skew_s);

@@ -1,9 +1,11 @@
-//! Fusion with the knowledge of other agents (4.34)-(4.37), over links that delay, lose, repeat and reorder.
+//! Fusion with the knowledge of other agents (4.34)-(4.37), over links that delay, lose, repeat and
+//! reorder.
 //!
-//! Intersections and unions are commutative and idempotent, so the order and the repeats of snapshots do not
-//! matter to the sets, except to their last bits. A received set that equals the own set before the merge is
-//! skipped. With perfect links a snapshot changes nothing that the facts had not changed already, so the
-//! sender of a snapshot, which does not receive it, has the same bits as the receivers.
+//! Intersections and unions are commutative and idempotent, so the order and the repeats of snapshots
+//! do not matter to the sets, except to their last bits. A received set that equals the own set
+//! before the merge is skipped. With perfect links a snapshot changes nothing that the facts had not
+//! changed already, so the sender of a snapshot, which does not receive it, has the same bits as the
+//! receivers.
 
 use std::collections::BTreeMap;
 
@@ -31,8 +33,8 @@ pub(super) fn fuse<'a>(
 
 /// Merges the knowledge of another agent into `knowledge`, which was `before` before the first merge.
 ///
-/// X̄ of the other agent is used only together with its L and X_j: its X̄ need not contain a target that it
-/// has identified.
+/// X̄ of the other agent is used only together with its L and X_j: its X̄ need not contain a target
+/// that it has identified.
 fn merge(knowledge: &mut Knowledge, before: &Knowledge, known: &Known, ager: &Ager) {
     let reach = match is_on(Mutant::LateSnapshotNotDilated) {
         true => None,

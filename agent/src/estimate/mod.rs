@@ -1,5 +1,5 @@
-//! What one UAV knows (docs/concepts/predict-correct.md): predict, then correct with the own frame and the
-//! received facts.
+//! What one UAV knows (docs/concepts/predict-correct.md): predict, then correct with the own frame
+//! and the received facts.
 //!
 //! | module | equations |
 //! |---|---|
@@ -10,8 +10,8 @@
 //! | `correct` | (4.28)-(4.33): what frames disprove |
 //! | [`oem`] | the occupancy-elevation map |
 //!
-//! Every agent applies all evidence of a step at once and in the same order, so agents that received the same
-//! facts have the same knowledge, to the last bit.
+//! Every agent applies all evidence of a step at once and in the same order, so agents that received
+//! the same facts have the same knowledge, to the last bit.
 
 mod correct;
 pub mod evidence;
@@ -54,8 +54,8 @@ impl Estimator {
         Self { own: config.id, ager: Ager::new(config), predictor: Predictor::new(config) }
     }
 
-    /// Takes the knowledge to the step of the own frame, if there is one, and applies that frame and the
-    /// facts in `heard`. No fact in `heard` may be of a later step.
+    /// Takes the knowledge to the step of the own frame, if there is one, and applies that frame and
+    /// the facts in `heard`. No fact in `heard` may be of a later step.
     ///
     /// The knowledge of other agents is of earlier steps, so it is merged before the prediction.
     pub fn update(
@@ -105,7 +105,8 @@ impl Estimator {
     }
 }
 
-/// Applies hidden ground and cells of the map. They carry no guarantee, and their order does not matter.
+/// Applies hidden ground and cells of the map. They carry no guarantee, and their order does not
+/// matter.
 fn look(knowledge: &mut Knowledge, own: Option<&Measured>, heard: &[ReceivedFact]) {
     let now = knowledge.step;
     if let Some(Measured { hidden, seen, oem, .. }) = own {

@@ -108,11 +108,11 @@ impl Oem {
 pub struct BlockHashes(Vec<u64>);
 
 impl BlockHashes {
-    /// The short hashes for a digest of `step`: those of equal blocks are equal, those of different blocks
-    /// rarely are.
+    /// The short hashes for a digest of `step`: those of equal blocks are equal, those of different
+    /// blocks rarely are.
     ///
-    /// Each step has its own short hashes. Otherwise two maps that no longer change could differ in a block
-    /// for ever, and no digest would show it.
+    /// Each step has its own short hashes. Otherwise two maps that no longer change could differ in a
+    /// block for ever, and no digest would show it.
     pub fn told_at(&self, step: Step) -> Vec<u16> {
         let short = |hash: &u64| {
             let stamped = [hash.to_le_bytes(), u64::from(step.0).to_le_bytes()];

@@ -10,9 +10,10 @@ use crate::config::AgentConfig;
 use crate::mutant::{Mutant, is_on};
 use crate::region::{Grown, Outer, Reach};
 
-/// Sets are simplified by at least this before they grow, metres. Where two sets are equal up to rounding, as
-/// those of two agents often are, their intersection has details of that size. The simplification fills
-/// notches and gaps. It keeps slivers of the set, because an outer approximation must not lose them.
+/// Sets are simplified by at least this before they grow, metres. Where two sets are equal up to
+/// rounding, as those of two agents often are, their intersection has details of that size. The
+/// simplification fills notches and gaps. It keeps slivers of the set, because an outer approximation
+/// must not lose them.
 const SLIVER_M: f64 = 1e-3;
 
 /// The sets of step k, predicted from step k-1 (4.24)-(4.26).
@@ -29,8 +30,8 @@ pub struct Predicted {
 pub struct Predictor {
     reach: Reach,
     simplify_m: f64,
-    /// The most vertices of a set before it grows. Sets are limited here, not when they are cut, so that the
-    /// result of a merge does not depend on its order.
+    /// The most vertices of a set before it grows. Sets are limited here, not when they are cut, so
+    /// that the result of a merge does not depend on its order.
     max_vertices: usize,
     hidden_steps: u32,
 }
@@ -69,8 +70,8 @@ impl Predictor {
         }
     }
 
-    /// Takes the knowledge to `step` and returns its predicted sets; the sets of the knowledge itself are
-    /// those of the step before until they are corrected. X° stays (4.27).
+    /// Takes the knowledge to `step` and returns its predicted sets; the sets of the knowledge itself
+    /// are those of the step before until they are corrected. X° stays (4.27).
     pub fn predict(&self, knowledge: &mut Knowledge, step: Step) -> Predicted {
         self.catch_up(knowledge, step);
         // The first frame is of the first step of the knowledge: no target has moved yet.

@@ -77,11 +77,12 @@ impl Knowledge {
         }
     }
 
-    /// Notes the ground that was hidden to an agent and the ground that it saw at `step` (5.43), (5.44).
+    /// Notes the ground that was hidden to an agent and the ground that it saw at `step` (5.43),
+    /// (5.44).
     ///
-    /// Ground becomes hidden unless an agent saw it at that step or later. Views may arrive late, in any order
-    /// and more than once. A view of a step whose views were dropped is skipped, because it is not known any
-    /// more whether its ground was seen since.
+    /// Ground becomes hidden unless an agent saw it at that step or later. Views may arrive late, in
+    /// any order and more than once. A view of a step whose views were dropped is skipped, because it
+    /// is not known any more whether its ground was seen since.
     pub(super) fn note_view(&mut self, step: Step, hidden: &Raster, seen: &Raster) {
         if step < self.views_from {
             return;
@@ -124,8 +125,8 @@ impl Knowledge {
         union
     }
 
-    /// Restarts sets that became empty at X_g \ X° and returns their targets: an empty set proves that an
-    /// assumption failed or that a message was false.
+    /// Restarts sets that became empty at X_g \ X° and returns their targets: an empty set proves
+    /// that an assumption failed or that a message was false.
     pub(super) fn restart_empty_sets(&mut self) -> Vec<TargetId> {
         let empty: Vec<TargetId> =
             self.targets.iter().filter(|(_, set)| set.is_empty()).map(|(&j, _)| j).collect();

@@ -1,10 +1,10 @@
-//! Simplifies messages until they fit a budget of bytes and the number of vertices that receivers accept,
-//! without breaking the guarantee.
+//! Simplifies messages until they fit a budget of bytes and the number of vertices that receivers
+//! accept, without breaking the guarantee.
 //!
-//! Outer approximations grow and inner ones shrink until a message fits. Each level doubles the tolerance,
-//! which increases with the distance of a shape from the nearest UAV. Rasters without a guarantee are left
-//! out at higher levels. At the last level inner approximations are empty and outer ones are boxes. If a
-//! message does not fit even then, it is not sent.
+//! Outer approximations grow and inner ones shrink until a message fits. Each level doubles the
+//! tolerance, which increases with the distance of a shape from the nearest UAV. Rasters without a
+//! guarantee are left out at higher levels. At the last level inner approximations are empty and
+//! outer ones are boxes. If a message does not fit even then, it is not sent.
 
 use csat_proto::envelope::Envelope;
 use csat_proto::message::{Digest, Fact, Known, Message, Snapshot};
@@ -22,17 +22,18 @@ const FINEST_M: f64 = 0.25;
 const DISTANCE_M: f64 = 50.0;
 /// Levels of simplification; after the last one sets are empty or boxes.
 const LEVELS: u32 = 8;
-/// From this level on the views of cameras and the digest are left out, and sets are too coarse to replace
-/// the facts that they were made of.
+/// From this level on the views of cameras and the digest are left out, and sets are too coarse to
+/// replace the facts that they were made of.
 const COARSE_LEVEL: u32 = 4;
 /// Runs of map cells at the first level; each further level has half as many.
 const RUNS: usize = 512;
 
-/// Of the messages that `said` makes at levels 0, 1, …, the finest one with at most `max_vertices` that fits
-/// into `limit` bytes with its envelope: its level and its encoded body.
+/// Of the messages that `said` makes at levels 0, 1, …, the finest one with at most `max_vertices`
+/// that fits into `limit` bytes with its envelope: its level and its encoded body.
 ///
-/// Messages get shorter with each level, so the search begins at `first`, the level of the last message. With
-/// a small budget, making all finer messages would take more time than the rest of the agent's step.
+/// Messages get shorter with each level, so the search begins at `first`, the level of the last
+/// message. With a small budget, making all finer messages would take more time than the rest of the
+/// agent's step.
 pub fn fit(
     limit: f64,
     max_vertices: u32,
@@ -69,13 +70,14 @@ pub struct Shortener {
 }
 
 impl Shortener {
-    /// A shortener for UAVs at `uavs` (`world`, metres) over X_g: sets near them keep more detail. Each level
-    /// is coarser than the one before; level 0 changes nothing.
+    /// A shortener for UAVs at `uavs` (`world`, metres) over X_g: sets near them keep more detail.
+    /// Each level is coarser than the one before; level 0 changes nothing.
     pub fn new(level: u32, uavs: &[[f64; 2]], ground: &Region) -> Self {
         Self { level, uavs: uavs.to_vec(), ground: Outer::containing(ground.clone()) }
     }
 
-    /// A shorter fact that claims less. At coarse levels it has no digest, which would be most of its bytes.
+    /// A shorter fact that claims less. At coarse levels it has no digest, which would be most of its
+    /// bytes.
     pub fn fact(&self, fact: &Fact) -> Fact {
         if self.level == 0 {
             return fact.clone();
@@ -101,8 +103,8 @@ impl Shortener {
         short
     }
 
-    /// A shorter snapshot that claims less. At coarse levels it does not list the facts that it contains, so
-    /// that receivers which are missing them do not take them for held.
+    /// A shorter snapshot that claims less. At coarse levels it does not list the facts that it
+    /// contains, so that receivers which are missing them do not take them for held.
     pub fn snapshot(&self, fact: &Fact, known: &Known) -> Snapshot {
         Snapshot { fact: self.fact(fact), known: self.known(known) }
     }

@@ -22,10 +22,11 @@ struct Edge {
     extent: GridBox,
 }
 
-/// Checks that no two edges cross in a point inside both. Rings may touch, as those of resolved sets do.
+/// Checks that no two edges cross in a point inside both. Rings may touch, as those of resolved sets
+/// do.
 ///
-/// It sweeps from west to east and keeps the edges at the sweep line in strips from south to north, so that
-/// only edges that are near each other are compared.
+/// It sweeps from west to east and keeps the edges at the sweep line in strips from south to north,
+/// so that only edges that are near each other are compared.
 ///
 /// # Errors
 /// When two edges cross, or the check would take too long.

@@ -1,9 +1,10 @@
 //! Anti-entropy: which agent is missing facts, and which agent resends them.
 //!
-//! Facts carry a [`Digest`] of what their sender holds. Another agent resends what the sender is missing if it
-//! held more when the digest was made, and had done so for longer than a message may be in flight. It resends
-//! cells of the map in its next facts, and everything else in a snapshot. All agents see the same digest, so
-//! they take turns: the next agent by index answers at once, the others only if the digest does not improve.
+//! Facts carry a [`Digest`] of what their sender holds. Another agent resends what the sender is
+//! missing if it held more when the digest was made, and had done so for longer than a message may be
+//! in flight. It resends cells of the map in its next facts, and everything else in a snapshot. All
+//! agents see the same digest, so they take turns: the next agent by index answers at once, the
+//! others only if the digest does not improve.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -85,8 +86,8 @@ impl Repair {
         Digest { facts, oem }
     }
 
-    /// Compares the digest of step `then` of an agent, which arrived at step `now`. A digest older than the
-    /// newest one of that agent is skipped.
+    /// Compares the digest of step `then` of an agent, which arrived at step `now`. A digest older
+    /// than the newest one of that agent is skipped.
     pub fn hear(
         &mut self,
         now: Step,
@@ -133,7 +134,8 @@ impl Repair {
             && !is_on(Mutant::NeverRepairs)
     }
 
-    /// Notes that a snapshot was sent at `now`: later digests show which agents are still missing facts.
+    /// Notes that a snapshot was sent at `now`: later digests show which agents are still missing
+    /// facts.
     pub fn snapshot_said(&mut self, now: Step) {
         self.next = now.after(self.period);
         self.lacking.clear();
@@ -144,7 +146,8 @@ impl Repair {
         self.next = self.next.max(retry);
     }
 
-    /// Notes that a snapshot of another agent arrived at `now`: postpones answers until its effect shows.
+    /// Notes that a snapshot of another agent arrived at `now`: postpones answers until its effect
+    /// shows.
     pub fn snapshot_heard(&mut self, now: Step) {
         let answer_at = |from| now.after(self.delay).after(self.turn(from) * TURN_STEPS);
         let later: Vec<_> = self.lacking.keys().map(|&from| (from, answer_at(from))).collect();
@@ -167,8 +170,8 @@ impl Repair {
         due
     }
 
-    /// Notes that these blocks were sent at `now`. They are due again only after a period: the map of an
-    /// agent that is gone differs for ever, and its blocks must not displace others.
+    /// Notes that these blocks were sent at `now`. They are due again only after a period: the map of
+    /// an agent that is gone differs for ever, and its blocks must not displace others.
     pub fn blocks_said(&mut self, now: Step, said: &[usize]) {
         let again = now.after(self.period);
         for ((_, block), at) in &mut self.blocks {
@@ -178,10 +181,11 @@ impl Repair {
         }
     }
 
-    /// Whether `from` was missing facts at step `then` that are not in flight any more: facts that were held
-    /// here already when the oldest message in flight was sent. The number of missing facts does not matter,
-    /// because of an incarnation that is over the last fact may be missing. A digest without facts does not
-    /// tell what its sender holds. The facts of its earlier incarnations the sender may be missing too.
+    /// Whether `from` was missing facts at step `then` that are not in flight any more: facts that
+    /// were held here already when the oldest message in flight was sent. The number of missing facts
+    /// does not matter, because of an incarnation that is over the last fact may be missing. A digest
+    /// without facts does not tell what its sender holds. The facts of its earlier incarnations the
+    /// sender may be missing too.
     fn lacks_facts(&self, from: (AgentId, Incarnation), then: Step, theirs: &[HeldFacts]) -> bool {
         if theirs.is_empty() {
             return false;
@@ -323,7 +327,7 @@ mod tests {
         hear(&mut helper, 25, 21, &digest([0; 4]));
         assert!(!helper.snapshot_due(Step(100)));
         helper.hear(Step(25), AgentId(1), Incarnation(1), Step(21), &digest([0; 4]));
-        assert!(helper.snapshot_due(Step(25)), "a new life knows nothing yet");
+        assert!(helper.snapshot_due(Step(25)), "a new incarnation knows nothing yet");
         hear(&mut helper, 26, 26, &digest([20; 4]));
         assert!(helper.snapshot_due(Step(26)), "the old one is over");
     }
@@ -363,7 +367,10 @@ mod tests {
         helper.hear(Step(20), AgentId(1), Incarnation(1), Step(20), &said(19));
         assert!(helper.snapshot_due(Step(20)));
         helper.hear(Step(21), AgentId(1), Incarnation(1), Step(21), &said(20));
-        assert!(!helper.snapshot_due(Step(100)), "of its present life it lacks nothing");
+        assert!(
+            !helper.snapshot_due(Step(100)),
+            "of its current incarnation it is missing nothing"
+        );
     }
 
     #[test]

@@ -152,8 +152,8 @@ impl Transmitter {
         self.facts_said
     }
 
-    /// Sends the fact of this step's frame, alone or in a snapshot, as the mode requires. `None` when nothing
-    /// was sent.
+    /// Sends the fact of this step's frame, alone or in a snapshot, as the mode requires. `None` when
+    /// nothing was sent.
     pub fn say_step(&mut self, content: &StepContent<'_>, repair: &mut Repair) -> Option<SentFact> {
         let ExchangeConfig { mode, snapshot_period_s, .. } = self.config.exchange;
         // The facts of a station prove nothing: it sends them only for their digests.
@@ -207,9 +207,9 @@ impl Transmitter {
         self.saved = (self.saved + SNAPSHOT_SHARE * more).min(most_saved);
     }
 
-    /// A snapshot of all knowledge for an agent that joins late. The last frame is part of the knowledge, so
-    /// the fact of the snapshot proves nothing. `None` before the first fact was sent, and when the snapshot
-    /// has more vertices than receivers accept.
+    /// A snapshot of all knowledge for an agent that joins late. The last frame is part of the
+    /// knowledge, so the fact of the snapshot proves nothing. `None` before the first fact was sent,
+    /// and when the snapshot has more vertices than receivers accept.
     pub fn answer(
         &mut self,
         now: SimTime,

@@ -8,7 +8,8 @@ use csat_proto::message::HeldFacts;
 use crate::config::AgentConfig;
 use crate::mutant::{Mutant, is_on};
 
-/// Incarnations that are remembered per agent: whatever messages claim, memory and digests stay bounded.
+/// Incarnations that are remembered per agent: whatever messages claim, memory and digests stay
+/// bounded.
 pub const MAX_INCARNATIONS: usize = 64;
 
 /// Per incarnation of each agent, the facts that the own knowledge contains.

@@ -1,11 +1,11 @@
 //! `str4`: ground counts for as long as it stays unseen.
 //!
-//! The cost of a candidate is Σ_k φ(X^Δ_k) over the blocks k = 1..N_MPC of the horizon, where (5.27) has
-//! φ(X^Δ) at the end of the horizon only: ground that is seen early stops growing early. First looks at
-//! buildings count more ([`super::first_looks`]). The horizon is long enough to look all around and to fly on
-//! and look elsewhere. It is too long to try every sequence, so the search is a beam search: per block the best
-//! candidates are kept, at most one per rounded pose, so that the beam does not fill with detours to the same
-//! pose.
+//! The cost of a candidate is Σ_k φ(X^Δ_k) over the blocks k = 1..N_MPC of the horizon, where (5.27)
+//! has φ(X^Δ) at the end of the horizon only: ground that is seen early stops growing early. First
+//! looks at buildings count more ([`super::first_looks`]). The horizon is long enough to look all
+//! around and to fly on and look elsewhere. It is too long to try every sequence, so the search is a
+//! beam search: per block the best candidates are kept, at most one per rounded pose, so that the
+//! beam does not fill with detours to the same pose.
 
 use std::collections::BTreeSet;
 
@@ -121,7 +121,8 @@ impl Beam {
         coarse
     }
 
-    /// What the other UAVs would see at the end of each block, as far as their views may overlap the own ones.
+    /// What the other UAVs would see at the end of each block, as far as their views may overlap the
+    /// own ones.
     fn seen_by_others(&mut self, own: &Pose, neighbours: &[Vec<Pose>]) -> Vec<Raster> {
         let mut seen = vec![Raster::empty(self.grid); self.blocks];
         for plan in neighbours {
@@ -137,17 +138,17 @@ impl Beam {
         seen
     }
 
-    /// The radius by which X^Δ spreads in a block, metres. A cell is about as long as the way of a target in a
-    /// block, so one cell is added in some blocks and none in others. Rounded up in every block, sets would
-    /// grow by a third too fast.
+    /// The radius by which X^Δ spreads in a block, metres. A cell is about as long as the way of a
+    /// target in a block, so one cell is added in some blocks and none in others. Rounded up in every
+    /// block, sets would grow by a third too fast.
     fn spread_m(&self, block: usize) -> f64 {
         let cells = |blocks: usize| (blocks as f64 * self.growth_m / self.grid.cell_m).round();
         // Half a cell less reaches the centres of exactly that many cells.
         ((cells(block + 1) - cells(block) - 0.5) * self.grid.cell_m).max(0.0)
     }
 
-    /// Advances every X^Δ by a block, before the own look: it grows by f^t (4.24) and loses `kept`, where no
-    /// target can be or another UAV looks.
+    /// Advances every X^Δ by a block, before the own look: it grows by f^t (4.24) and loses `kept`,
+    /// where no target can be or another UAV looks.
     fn pass_block(&mut self, sets: &mut [Raster], kept: &Raster, spread_m: f64) {
         for set in sets {
             set.dilate_disc_into(spread_m, &mut self.scratch);
@@ -182,7 +183,8 @@ impl Beam {
 
     /// The candidates that are kept, the best first.
     fn best(&self, mut children: Vec<Candidate>) -> Vec<Candidate> {
-        // The sort is stable: at equal cost the child of the better parent comes first, then the gentler turn.
+        // The sort is stable: at equal cost the child of the better parent comes first, then the
+        // gentler turn.
         children.sort_by_key(|child| child.cost);
         let mut taken = BTreeSet::new();
         children.retain(|child| taken.len() < self.width && taken.insert(child.place));

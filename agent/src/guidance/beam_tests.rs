@@ -38,8 +38,8 @@ fn start(rng: &mut ChaCha8Rng) -> Pose {
     Pose::level([-90.0, rng.random_range(-60.0..60.0), 53.0], rng.random_range(-0.7..0.7))
 }
 
-/// The set with the four neighbours of every cell: 3 m of growth are one cell of 4 m in each of the first two
-/// blocks, as 6 m are 1.5 cells.
+/// The set with the four neighbours of every cell: 3 m of growth are one cell of 4 m in each of the
+/// first two blocks, as 6 m are 1.5 cells.
 fn spread(set: &Raster) -> Raster {
     let (mut spread, grid) = (set.clone(), *set.grid());
     for (column, row) in set.iter() {
@@ -73,8 +73,8 @@ fn sets_spread_as_fast_as_targets_drive() {
     }
 }
 
-/// Σ φ(X^Δ_k) of a sequence by the definition, cells, less the bonus of first looks. Views are those of the
-/// camera at the rounded pose (every third cell, every quarter of a degree), point by point.
+/// Σ φ(X^Δ_k) of a sequence by the definition, cells, less the bonus of first looks. Views are those
+/// of the camera at the rounded pose (every third cell, every quarter of a degree), point by point.
 fn cost(config: &AgentConfig, scene: &Scene, start: &Pose, poses: &[Pose], other: &[Pose]) -> f64 {
     let beam = Beam::new(config, vec![]);
     let (mut remaining, margin) = (beam.coarse(&scene.wanted), beam.coarse(&scene.margin));
@@ -169,8 +169,8 @@ fn a_wider_beam_is_dearer_and_seldom_worse() {
     assert!(wide < narrow, "{wide} {narrow}");
 }
 
-/// Caches of earlier decisions, also with other maps, have no effect: neither where buildings are new or
-/// higher nor where they vanished.
+/// Caches of earlier decisions, also with other maps, have no effect: neither where buildings are new
+/// or higher nor where they vanished.
 #[test]
 fn a_plan_is_a_function_of_its_arguments() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);

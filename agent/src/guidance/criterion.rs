@@ -52,8 +52,8 @@ impl Weights {
         Self { lambda: guidance.lambda.max(0.0), kappa }
     }
 
-    /// J⁰ + κ·J² + λ·J¹, m². The first two are whole cells, so candidates that see equal areas have exactly
-    /// equal terms, and the distance decides.
+    /// J⁰ + κ·J² + λ·J¹, m². The first two are whole cells, so candidates that see equal areas have
+    /// exactly equal terms, and the distance decides.
     pub(super) fn cost(&self, terms: &Terms) -> f64 {
         terms.remaining_m2 + self.kappa * terms.hidden_m2 + self.lambda * terms.distance_m
     }
@@ -107,8 +107,9 @@ impl VisibilityModel {
         Footprint::of(&self.camera.at(pose), &self.grid)
     }
 
-    /// F(x^u) ∩ `grown` without what is hidden by the criterion. `grown` is that of `view_cache`, whose views
-    /// are those of the loaded OEM; `hidden_now` is the H^CVS of the UAV that looks, if known.
+    /// F(x^u) ∩ `grown` without what is hidden by the criterion. `grown` is that of `view_cache`,
+    /// whose views are those of the loaded OEM; `hidden_now` is the H^CVS of the UAV that looks, if
+    /// known.
     pub(super) fn look(
         &mut self,
         pose: &Pose,
@@ -150,11 +151,12 @@ impl VisibilityModel {
         hidden
     }
 
-    /// J¹ of a last pose: `base` is X^Δ at the horizon before the look from that pose, which sees `seen`.
+    /// J¹ of a last pose: `base` is X^Δ at the horizon before the look from that pose, which sees
+    /// `seen`.
     ///
-    /// The part of `base` that remains within the footprint is not seen from the pose, so the nearest part that
-    /// is not hidden lies outside the footprint. When all of the rest is hidden, the distance is to the nearest
-    /// hidden part, because the UAV has to fly there.
+    /// The part of `base` that remains within the footprint is not seen from the pose, so the nearest
+    /// part that is not hidden lies outside the footprint. When all of the rest is hidden, the
+    /// distance is to the nearest hidden part, because the UAV has to fly there.
     pub(super) fn distance_m(
         &self,
         base: &Raster,

@@ -1,9 +1,9 @@
 //! Buildings that no UAV has looked at from nearby yet, for `str4`.
 //!
-//! A UAV that looks at a building from nearby learns X° in and around it, from which X^Δ never grows again. The
-//! prediction (5.27) does not model that: its X° is constant. So cells beside buildings that have always been
-//! in X^Δ have a bonus when they are looked at for the first time. After two looks that added nothing to X° the
-//! cell has no bonus any more.
+//! A UAV that looks at a building from nearby learns X° in and around it, from which X^Δ never grows
+//! again. The prediction (5.27) does not model that: its X° is constant. So cells beside buildings
+//! that have always been in X^Δ have a bonus when they are looked at for the first time. After two
+//! looks that added nothing to X° the cell has no bonus any more.
 
 use std::collections::BTreeMap;
 
@@ -14,8 +14,8 @@ use super::height_map::{HeightMap, STOREY_M};
 use super::rounded_views::{Aim, Bits, HeadingFootprint, RoundedPose, VisibleCells};
 use crate::config::AgentConfig;
 
-/// X° is the ground that is certainly within the obstacle distance. Depth errors above this share of the
-/// obstacle distance leave little of it.
+/// X° is the ground that is certainly within the obstacle distance. Depth errors above this share of
+/// the obstacle distance leave little of it.
 const DEPTH_ERROR: f64 = 0.5;
 /// Heights of roofs are rounded up to multiples of this, storeys.
 const ROOF_STOREYS: u8 = 5;
@@ -30,7 +30,8 @@ pub(super) struct FirstLooks {
     /// The camera of guidance with the range within which a look adds to X°.
     camera: CameraModel,
     grid: Grid,
-    /// The cells that were in X^Δ \ X° at every decision so far, without those that were looked at twice.
+    /// The cells that were in X^Δ \ X° at every decision so far, without those that were looked at
+    /// twice.
     unknown: Raster,
     /// The cells that were looked at once.
     once: Raster,

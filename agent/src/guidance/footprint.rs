@@ -6,8 +6,8 @@ use csat_proto::camera::CameraView;
 use csat_proto::raster::{Grid, Raster};
 use nalgebra::Vector3;
 
-/// The cells whose centres a camera would see without obstacles: the theoretical footprint (3.24) within
-/// d_max, cut to X_g. It is convex, so every row holds one run.
+/// The cells whose centres a camera would see without obstacles: the theoretical footprint (3.24)
+/// within d_max, cut to X_g. It is convex, so every row holds one run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Footprint {
     first_row: u32,
@@ -73,8 +73,8 @@ impl Footprint {
         raster
     }
 
-    /// c(F ∩ X_g), `world`, metres. For a footprint outside X_g it is the centroid of its corners, so that (5.15)
-    /// leads the UAV back; `None` when the camera sees no ground.
+    /// c(F ∩ X_g), `world`, metres. For a footprint outside X_g it is the centroid of its corners, so
+    /// that (5.15) leads the UAV back; `None` when the camera sees no ground.
     pub(super) fn barycentre(&self, grid: &Grid) -> Option<[f64; 2]> {
         let (mut cells, mut x, mut y) = (0.0, 0.0, 0.0);
         for (run, row) in self.runs.iter().zip(self.first_row..).filter(|(run, _)| !run.is_empty())
@@ -90,8 +90,8 @@ impl Footprint {
 }
 
 /// The image rectangle on the ground, cut where the depth along the optical axis reaches d_max: a
-/// point farther along the axis is farther from the camera too, so no point within d_max is lost, and the
-/// result is bounded. Depth is affine in 1/(c, r), so the cut is a straight line of the image.
+/// point farther along the axis is farther from the camera too, so no point within d_max is lost, and
+/// the result is bounded. Depth is affine in 1/(c, r), so the cut is a straight line of the image.
 fn ground_corners(view: &CameraView) -> Vec<[f64; 2]> {
     let z = view.centre_world().z;
     if z <= 0.0 {

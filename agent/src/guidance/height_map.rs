@@ -5,19 +5,20 @@ use csat_proto::raster::{Grid, Raster};
 
 use crate::estimate::oem::Oem;
 
-/// Heights are rounded to multiples of this, metres, and at least to one multiple. So more exact heights in the
-/// OEM change the height map rarely.
+/// Heights are rounded to multiples of this, metres, and at least to one multiple. So more exact
+/// heights in the OEM change the height map rarely.
 pub(super) const STOREY_M: f64 = 1.0;
 
 /// The buildings of a map on a planner's grid, in storeys; 0 where no building is known.
 ///
-/// Buildings extend half a cell beyond their cells. A cell whose centre was seen is Empty (4.40), even if a
-/// building stands in its corner: a building may extend that far beyond the cells that it occupies.
+/// Buildings extend half a cell beyond their cells. A cell whose centre was seen is Empty (4.40),
+/// even if a building stands in its corner: a building may extend that far beyond the cells that it
+/// occupies.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HeightMap {
     grid: Grid,
-    /// The range of cameras outside the grid, cells. Each row has this many empty cells on both sides, so that
-    /// an index beyond the end of a row is in the margin of another row.
+    /// The range of cameras outside the grid, cells. Each row has this many empty cells on both
+    /// sides, so that an index beyond the end of a row is in the margin of another row.
     margin: i32,
     storeys: Vec<u8>,
 }

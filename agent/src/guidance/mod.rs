@@ -20,8 +20,8 @@
 //! | `route` | `circles` and `lawnmower`: no planning |
 //! | `schedule` | when each UAV plans, and with which plans of the others |
 //!
-//! Guidance needs no guarantee, so its sets are rasters. A decision is a function of its arguments; in `str4`
-//! and `lawnmower` also of the arguments of earlier decisions.
+//! Guidance needs no guarantee, so its sets are rasters. A decision is a function of its arguments;
+//! in `str4` and `lawnmower` also of the arguments of earlier decisions.
 
 use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
@@ -121,8 +121,8 @@ pub struct Decision {
     pub increments_rad: Vec<f64>,
     /// The predicted poses at the ends of the blocks (5.35): the plan to send.
     pub poses: Vec<Pose>,
-    /// J⁰ + κ·J² + λ·J¹, m²; in `str4` Σ φ(X^Δ) over the blocks less the bonus of first looks, m². 0 without
-    /// planning.
+    /// J⁰ + κ·J² + λ·J¹, m²; in `str4` Σ φ(X^Δ) over the blocks less the bonus of first looks, m². 0
+    /// without planning.
     pub cost: f64,
     /// The terms of the cost of `str1` to `str3`.
     pub terms: Terms,
@@ -141,8 +141,8 @@ enum Method {
     Route(Route),
 }
 
-/// Plans for one agent, one decision after the other. Its state between two plans is scratch memory, for `str4`
-/// also the first looks, and for `lawnmower` the waypoint it flies to.
+/// Plans for one agent, one decision after the other. Its state between two plans is scratch memory,
+/// for `str4` also the first looks, and for `lawnmower` the waypoint it flies to.
 #[derive(Debug, Clone)]
 pub struct Planner {
     grid: Grid,
@@ -158,8 +158,8 @@ pub struct Planner {
 }
 
 impl Planner {
-    /// The planner of `config.guidance`. Without increments it flies straight ahead; a horizon of 0 blocks is
-    /// one of 1 block.
+    /// The planner of `config.guidance`. Without increments it flies straight ahead; a horizon of 0
+    /// blocks is one of 1 block.
     pub fn new(config: &AgentConfig) -> Self {
         let (grid, guidance) = (config.raster_grid(), &config.guidance);
         let increments = guidance.gentlest_first_rad();
@@ -185,11 +185,11 @@ impl Planner {
         }
     }
 
-    /// The best sequence of yaw increments from `pose` (`world`, metres; its yaw is the last commanded one); in
-    /// `str1` to `str3` by exhaustive search.
+    /// The best sequence of yaw increments from `pose` (`world`, metres; its yaw is the last
+    /// commanded one); in `str1` to `str3` by exhaustive search.
     ///
-    /// `neighbours` are the predicted poses of each other UAV at the ends of the blocks from now on. After its
-    /// last pose a UAV flies straight ahead; a UAV without a pose is ignored.
+    /// `neighbours` are the predicted poses of each other UAV at the ends of the blocks from now on.
+    /// After its last pose a UAV flies straight ahead; a UAV without a pose is ignored.
     pub fn plan(
         &mut self,
         input: &PlannerInput<'_>,
@@ -264,8 +264,8 @@ impl Planner {
         self.levels.iter().fold(wanted.clone(), |set, _| set.dilated_disc(self.growth_m))
     }
 
-    /// Predicts what the other UAVs would see, which is the same for all nodes of a depth. UAVs whose views
-    /// cannot overlap those of this UAV are left out: in a large fleet most are.
+    /// Predicts what the other UAVs would see, which is the same for all nodes of a depth. UAVs whose
+    /// views cannot overlap those of this UAV are left out: in a large fleet most are.
     fn look_for_others(
         &mut self,
         input: &PlannerInput<'_>,

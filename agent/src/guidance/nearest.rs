@@ -1,5 +1,5 @@
-//! The nearest accepted cell of a set, by best-first search. The test of a cell may take a walk along a line of
-//! sight, so only cells nearer than the result are tested.
+//! The nearest accepted cell of a set, by best-first search. The test of a cell may take a walk along
+//! a line of sight, so only cells nearer than the result are tested.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -71,8 +71,8 @@ fn cell_at(grid: &Grid, point: [f64; 2]) -> [u32; 2] {
     })
 }
 
-/// All rows, the nearest to `y` first, with the distances of their centres from `y`, metres; `start` is the row
-/// of `y`.
+/// All rows, the nearest to `y` first, with the distances of their centres from `y`, metres; `start`
+/// is the row of `y`.
 fn rows_from(grid: &Grid, start: u32, y: f64) -> impl Iterator<Item = (f64, u32)> {
     let gap_m = move |row: u32| (grid.centre(0, row)[1] - y).abs();
     (0..grid.rows).flat_map(move |offset| {

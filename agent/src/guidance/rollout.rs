@@ -1,4 +1,5 @@
-//! Prediction, block by block of T_MPC: the pose of a UAV (5.35) and the X^Δ that remains (5.12)-(5.25).
+//! Prediction, block by block of T_MPC: the pose of a UAV (5.35) and the X^Δ that remains
+//! (5.12)-(5.25).
 
 use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
@@ -32,8 +33,8 @@ impl Motion {
         Pose::level([x + way_m * cos, y + way_m * sin, z], pose.yaw_rad)
     }
 
-    /// The poses at the ends of the next `count` blocks by a plan of which `elapsed` blocks are over: the rest of
-    /// the plan, then straight ahead (thesis §5.3.2). Empty for an empty plan.
+    /// The poses at the ends of the next `count` blocks by a plan of which `elapsed` blocks are over:
+    /// the rest of the plan, then straight ahead (thesis §5.3.2). Empty for an empty plan.
     pub fn forecast(&self, plan: &[Pose], elapsed: usize, count: usize) -> Vec<Pose> {
         let Some((last, past_end)) = plan.last().map(|last| (last, plan.len() - 1)) else {
             return Vec::new();
@@ -59,7 +60,8 @@ impl ViewOverlap {
         Self { reach_m: way_m + 2.0 * config.planning_camera().d_max_m }
     }
 
-    /// Whether a point may be seen both from `theirs` and from a pose that `own` can reach within the horizon.
+    /// Whether a point may be seen both from `theirs` and from a pose that `own` can reach within the
+    /// horizon.
     pub(super) fn may_see_the_same(&self, own: &Pose, theirs: &Pose) -> bool {
         let gap = |axis: usize| own.p_world[axis] - theirs.p_world[axis];
         gap(0).hypot(gap(1)) <= self.reach_m
@@ -97,8 +99,8 @@ impl Level {
         Self { remaining: empty.clone(), base: empty, base_cells: 0, base_hidden: 0 }
     }
 
-    /// Computes `base`, the X^Δ after the next block: X^Δ grows by f^t (4.24) and loses X° and what the other
-    /// UAVs see.
+    /// Computes `base`, the X^Δ after the next block: X^Δ grows by f^t (4.24) and loses X° and what
+    /// the other UAVs see.
     pub(super) fn pass_block(&mut self, depth: usize, around: &Surroundings<'_>) {
         self.remaining.dilate_disc_into(around.growth_m, &mut self.base);
         if let Some(margin) = around.margin {

@@ -1,9 +1,9 @@
-//! A cache of the views of `str4` by rounded pose: the search passes the same poses many times, and again at
-//! the next decision while the map is the same.
+//! A cache of the views of `str4` by rounded pose: the search passes the same poses many times, and
+//! again at the next decision while the map is the same.
 //!
-//! Positions are rounded to every third cell, a fraction of a footprint, so that near poses share a view. The
-//! viewshed of a position is computed once for all headings, and the footprint of a heading once for all
-//! positions.
+//! Positions are rounded to every third cell, a fraction of a footprint, so that near poses share a
+//! view. The viewshed of a position is computed once for all headings, and the footprint of a heading
+//! once for all positions.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -113,7 +113,8 @@ pub(super) struct HeadingFootprint {
 }
 
 impl HeadingFootprint {
-    /// What `camera` sees, without obstacles, of a plane of cells of `cell_m` from above the middle of a cell.
+    /// What `camera` sees, without obstacles, of a plane of cells of `cell_m` from above the middle
+    /// of a cell.
     pub(super) fn of(camera: &CameraModel, aim: Aim, cell_m: f64) -> Self {
         // The origin is the middle of the middle cell.
         let reach = (camera.d_max_m / cell_m).ceil();

@@ -85,8 +85,8 @@ fn nearest(choices: &[(usize, f64)], turn_rad: f64) -> f64 {
 }
 
 impl Course {
-    /// Advances to the next waypoint if `pose` is within `capture_m` of this one, or within a multiple of that if
-    /// a building stands there.
+    /// Advances to the next waypoint if `pose` is within `capture_m` of this one, or within a
+    /// multiple of that if a building stands there.
     fn pass(&mut self, input: &PlannerInput<'_>, pose: &Pose, capture_m: f64) {
         if let Self::Lanes { waypoints, next } = self {
             let [x, y] = waypoints[*next];
@@ -116,8 +116,8 @@ impl Course {
     }
 }
 
-/// The circle of the sharpest turn, about the middle of this UAV's cell in a grid of rows, with a distance from
-/// the border so that the camera does not mostly look out of the region.
+/// The circle of the sharpest turn, about the middle of this UAV's cell in a grid of rows, with a
+/// distance from the border so that the camera does not mostly look out of the region.
 fn circle(config: &AgentConfig, increments: &[f64], block_m: f64) -> Course {
     let [width, depth] = config.ground.size_m;
     let count = f64::from(config.fleet.count.max(config.id.0.saturating_add(1)));

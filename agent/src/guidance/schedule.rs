@@ -1,14 +1,15 @@
 //! When each UAV plans, and with which plans of the other UAVs (thesis §5.3.2).
 //!
-//! A decision is due every T_MPC. Within it each UAV plans once, or twice with a loopback, and sends each plan.
-//! The sequential schedules wait for the plans that a pass builds on, up to a deadline: UAV i of N stops waiting
-//! in pass p at a share (p·N + i + 1)/(passes·N) of `plan_timeout_s` after the start of the decision. The
-//! deadlines have the order of planning, so the order holds even if no plan arrives, and a plan that is late by
-//! one slot still arrives in time. A UAV does not wait again for another UAV that missed a deadline until it
-//! receives a plan of it: a UAV that failed causes one delay, not one per decision.
+//! A decision is due every T_MPC. Within it each UAV plans once, or twice with a loopback, and sends
+//! each plan. The sequential schedules wait for the plans that a pass builds on, up to a deadline:
+//! UAV i of N stops waiting in pass p at a share (p·N + i + 1)/(passes·N) of `plan_timeout_s` after
+//! the start of the decision. The deadlines have the order of planning, so the order holds even if no
+//! plan arrives, and a plan that is late by one slot still arrives in time. A UAV does not wait again
+//! for another UAV that missed a deadline until it receives a plan of it: a UAV that failed causes
+//! one delay, not one per decision.
 //!
-//! The horizon of `str4` is so long that the rest of the plans of the last decision serves as the first pass of
-//! the loopback: each UAV plans once, sends one plan and accounts for all other UAVs.
+//! The horizon of `str4` is so long that the rest of the plans of the last decision serves as the
+//! first pass of the loopback: each UAV plans once, sends one plan and accounts for all other UAVs.
 //!
 //! A ground station receives plans and makes none, and no agent waits for a plan of it.
 //!
@@ -74,8 +75,8 @@ pub enum PlanError {
     },
 }
 
-/// A far-sighted plan counts for this many decisions. A UAV whose messages do not arrive does not tell what it
-/// sees either, so ground that is left to it for a minute stays unexplored.
+/// A far-sighted plan counts for this many decisions. A UAV whose messages do not arrive does not
+/// tell what it sees either, so ground that is left to it for a minute stays unexplored.
 const FAR_SIGHTED_DECISIONS: u32 = 2;
 
 /// The plans of another UAV.
@@ -171,7 +172,8 @@ impl Scheduler {
         self.stage = DecisionStage::Pass(0);
     }
 
-    /// A plan of another UAV arrived. Plans may be of any decision, arrive in any order, and be repeated.
+    /// A plan of another UAV arrived. Plans may be of any decision, arrive in any order, and be
+    /// repeated.
     ///
     /// # Errors
     /// Why it was rejected; then nothing has changed.
@@ -218,8 +220,8 @@ impl Scheduler {
         Ok(())
     }
 
-    /// The own plan of a pass was made and sent. True when it was the last pass, whose first increment is the
-    /// command. A plan of a pass other than the current one changes nothing.
+    /// The own plan of a pass was made and sent. True when it was the last pass, whose first
+    /// increment is the command. A plan of a pass other than the current one changes nothing.
     pub fn on_own_plan(&mut self, plan: &Plan) -> bool {
         if plan.step != self.step || self.stage != DecisionStage::Pass(plan.pass) {
             return false;
@@ -237,7 +239,8 @@ impl Scheduler {
         }
     }
 
-    /// When to call [`Self::on_timeout`]: the deadline of the current wait; `None` when it waits for no plan.
+    /// When to call [`Self::on_timeout`]: the deadline of the current wait; `None` when it waits for
+    /// no plan.
     pub fn next_deadline(&self) -> Option<SimTime> {
         let DecisionStage::Pass(pass) = self.stage else { return None };
         self.awaited().next()?;
@@ -282,8 +285,8 @@ impl Scheduler {
             })
     }
 
-    /// The UAVs on whose plans of this decision a pass builds: in the first sequential pass those before this
-    /// agent.
+    /// The UAVs on whose plans of this decision a pass builds: in the first sequential pass those
+    /// before this agent.
     fn built_on(&self, pass: u8) -> impl Iterator<Item = usize> + use<> {
         self.others(self.reach(pass))
     }
@@ -294,7 +297,8 @@ impl Scheduler {
         if all { self.fleet.len() } else { self.own }
     }
 
-    /// The UAVs that a pass accounts for: with far-sighted plans of the last decision also those after it.
+    /// The UAVs that a pass accounts for: with far-sighted plans of the last decision also those
+    /// after it.
     fn accounted_for(&self, pass: u8) -> impl Iterator<Item = usize> + use<> {
         self.others(if self.far_sighted { self.fleet.len() } else { self.reach(pass) })
     }
@@ -304,8 +308,9 @@ impl Scheduler {
         (0..end).filter(move |&index| index != own)
     }
 
-    /// The newest usable plan of another UAV: none of a later decision, and in the asynchronous schedule none of
-    /// this decision, so that the order of the agents within an instant does not matter.
+    /// The newest usable plan of another UAV: none of a later decision, and in the asynchronous
+    /// schedule none of this decision, so that the order of the agents within an instant does not
+    /// matter.
     fn known_plan(&self, index: usize) -> Option<&Plan> {
         let neighbour = &self.fleet[index];
         let lasts = self.steps_per_block.saturating_mul(FAR_SIGHTED_DECISIONS);

@@ -132,10 +132,11 @@ fn far_sighted_plans_need_one_pass_and_account_for_everybody() {
         let (events, _) = run(&mut fleet, &[0, 1, 2], SimTime(0), 0.01);
         assert_eq!(order(&events), [(0, 0, vec![]), (1, 0, vec![0]), (2, 0, vec![0, 1])]);
         let (events, commanded) = run(&mut fleet, &[0, 1, 2], SimTime::from_seconds(3.0), 0.01);
-        let everybody = [(0, 0, vec![1, 2]), (1, 0, vec![0, 2]), (2, 0, vec![0, 1])];
-        assert_eq!(order(&events), everybody);
+        let accounts_for_all = [(0, 0, vec![1, 2]), (1, 0, vec![0, 2]), (2, 0, vec![0, 1])];
+        assert_eq!(order(&events), accounts_for_all);
         assert_eq!(commanded, [0, 1, 2]);
-        // UAVs before this one have planned again; of plans of UAVs after it the second block is the current one.
+        // UAVs before this one have planned again; of plans of UAVs after it the second block is the
+        // current one.
         fleet[1].on_instant(SimTime::from_seconds(6.0));
         assert_eq!(fleet[1].ready(), None, "it waits for those before");
         fleet[1].on_plan(AgentId(0), &plan(0, Step(12), 0)).unwrap();
@@ -243,7 +244,8 @@ fn a_late_plan_only_updates_what_is_known() {
     last.on_own_plan(&plan(1, Step(0), 0));
     last.on_instant(SimTime::from_seconds(3.0));
     assert!(last.ready().is_some(), "given up on, so not waited for");
-    // The plan of decision 0 arrives in decision 6: its sender is alive, so the agent waits for it again.
+    // The plan of decision 0 arrives in decision 6: its sender is alive, so the agent waits for it
+    // again.
     last.on_plan(AgentId(0), &plan(0, Step(0), 0)).unwrap();
     assert_eq!(last.ready(), None);
     last.on_timeout(SimTime::from_seconds(3.4));

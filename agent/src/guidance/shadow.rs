@@ -1,11 +1,12 @@
 //! Predicted shadows H^OEM(x^u) (4.41)-(4.42), computed without polygons.
 //!
 //! A box of height h seen from height z hides, on the ground, the union of its base scaled about the
-//! nadir (the point below the camera) by every factor from 1 to z/(z-h): that union is the convex hull of the
-//! eight projected vertices. So along any ground ray from the nadir that crosses the base between `enter` and
-//! `leave`, the box hides exactly [enter, leave·z/(z-h)], and everything beyond `enter` when h ≥ z. Rays are
-//! spaced by slope, not by angle, so that the ray of a cell and the position on it take one division and no
-//! trigonometry. The position is exact: only the slope is rounded.
+//! nadir (the point below the camera) by every factor from 1 to z/(z-h): that union is the convex
+//! hull of the eight projected vertices. So along any ground ray from the nadir that crosses the base
+//! between `enter` and `leave`, the box hides exactly [enter, leave·z/(z-h)], and everything beyond
+//! `enter` when h ≥ z. Rays are spaced by slope, not by angle, so that the ray of a cell and the
+//! position on it take one division and no trigonometry. The position is exact: only the slope is
+//! rounded.
 
 use csat_proto::oem::OemCell;
 use csat_proto::raster::Grid;
@@ -70,7 +71,8 @@ pub(super) struct ShadowCaster {
 }
 
 impl ShadowCaster {
-    /// A caster on `grid` for cameras with a range of `reach_m`. At that distance rays are at most one cell apart.
+    /// A caster on `grid` for cameras with a range of `reach_m`. At that distance rays are at most
+    /// one cell apart.
     pub(super) fn new(grid: &Grid, reach_m: f64) -> Self {
         let cells = (reach_m / grid.cell_m).ceil().max(1.0) as usize;
         let (rays, words) = (2 * cells, (cells + 2).div_ceil(64));
@@ -87,8 +89,8 @@ impl ShadowCaster {
         }
     }
 
-    /// Replaces the shadows by those for a camera at `p_world`. Only shadows that may fall into `footprint` (a
-    /// convex ring, metres) are cast.
+    /// Replaces the shadows by those for a camera at `p_world`. Only shadows that may fall into
+    /// `footprint` (a convex ring, metres) are cast.
     pub(super) fn cast(
         &mut self,
         occupied: &OccupiedCells,
@@ -123,7 +125,8 @@ impl ShadowCaster {
         }
     }
 
-    /// Marks a box on the rays of one quadrant; `along` its axis and `across` it are relative to the nadir.
+    /// Marks a box on the rays of one quadrant; `along` its axis and `across` it are relative to the
+    /// nadir.
     fn mark(&mut self, quadrant: Quadrant, along: [f64; 2], across: [f64; 2], stretch: f64) {
         let (near, far) = (along[0].max(1e-9), along[1]);
         if far <= near {
@@ -150,8 +153,9 @@ impl ShadowCaster {
         }
     }
 
-    /// The cells of `bits`, in one word of one row, that are hidden from the last pose. The result is valid
-    /// within the footprint of [`Self::cast`], and exact except for cells that the border of a shadow crosses.
+    /// The cells of `bits`, in one word of one row, that are hidden from the last pose. The result is
+    /// valid within the footprint of [`Self::cast`], and exact except for cells that the border of a
+    /// shadow crosses.
     pub(super) fn hidden_bits(&self, row: u32, word: usize, bits: u64) -> u64 {
         let rows_away = i64::from(row) - self.nadir_cell[1];
         let y = rows_away as f64 * self.cell_m + self.phase[1];
@@ -258,7 +262,8 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// Whether the ground point `p` is hidden from a camera at `p_world` by a box of the OEM (4.42): the
-/// cells under the line of sight, one after the other. It is for single points, also outside footprints.
+/// cells under the line of sight, one after the other. It is for single points, also outside
+/// footprints.
 pub(super) fn hides_point(oem: &Oem, p_world: [f64; 3], p: [f64; 2]) -> bool {
     let (grid, z) = (oem.grid(), p_world[2]);
     let (origin, cell) = (grid.origin(), grid.cell_m);

@@ -62,8 +62,8 @@ fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     ring
 }
 
-/// (4.42) by its definition: per box the convex hull of the points where the lines through the optical centre
-/// and the eight vertices meet the ground.
+/// (4.42) by its definition: per box the convex hull of the points where the lines through the
+/// optical centre and the eight vertices meet the ground.
 fn hulls(oem: &Oem, eye: [f64; 3]) -> Vec<Vec<[f64; 2]>> {
     let (grid, mut all) = (oem.grid(), Vec::new());
     for (row, column) in (0..grid.rows).flat_map(|r| (0..grid.columns).map(move |c| (r, c))) {

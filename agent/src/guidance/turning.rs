@@ -1,5 +1,5 @@
-//! A model of motion that is more exact than (5.35): the yaw follows a command as a second-order response
-//! (thesis figure 5.3), so the UAV drifts to the outside of a turn.
+//! A model of motion that is more exact than (5.35): the yaw follows a command as a second-order
+//! response (thesis figure 5.3), so the UAV drifts to the outside of a turn.
 
 use csat_proto::camera::Pose;
 
@@ -15,8 +15,8 @@ const STEP_S: f64 = 0.05;
 /// The motion of a UAV over a block, after straight flight.
 #[derive(Debug, Clone)]
 pub(super) struct Turning {
-    /// By increment: the turn, radians, and the way through the block, step by step, metres ahead and to the left
-    /// of its beginning.
+    /// By increment: the turn, radians, and the way through the block, step by step, metres ahead and
+    /// to the left of its beginning.
     turns: Vec<(f64, Vec<[f64; 2]>)>,
 }
 
@@ -44,7 +44,8 @@ impl Turning {
         Self { turns: increments.iter().map(way).collect() }
     }
 
-    /// The level pose one block after `pose` with the yaw increment of this index, when the yaw has settled.
+    /// The level pose one block after `pose` with the yaw increment of this index, when the yaw has
+    /// settled.
     pub(super) fn advance(&self, pose: &Pose, increment: usize) -> Pose {
         let [x, y] =
             self.way(pose, increment).next_back().unwrap_or([pose.p_world[0], pose.p_world[1]]);
@@ -62,8 +63,8 @@ impl Turning {
         steps.map(move |[ahead, left]| [x + ahead * cos - left * sin, y + ahead * sin + left * cos])
     }
 
-    /// Bound of the error of a way, metres per turn, because the turn before has not quite settled when the block
-    /// begins: the remainder, at most √2·e^{-ζωT} of a turn, decays with ζω.
+    /// Bound of the error of a way, metres per turn, because the turn before has not quite settled
+    /// when the block begins: the remainder, at most √2·e^{-ζωT} of a turn, decays with ζω.
     pub(super) fn doubt_m(config: &AgentConfig, turn_rad: f64) -> f64 {
         let rate = DAMPING * SETTLING / config.fleet.yaw_settling_s;
         let left_rad =

@@ -1,8 +1,8 @@
 //! A cache of views by pose, shared by all agents with the same knowledge.
 //!
-//! The second pass of a decision has the same poses as the first, and each planner also predicts the views from
-//! the planned poses of the other UAVs, which are more than its own poses in a large fleet. A view is cut to the
-//! cells that X^Δ may cover within the horizon.
+//! The second pass of a decision has the same poses as the first, and each planner also predicts the
+//! views from the planned poses of the other UAVs, which are more than its own poses in a large
+//! fleet. A view is cut to the cells that X^Δ may cover within the horizon.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -13,8 +13,8 @@ use csat_proto::raster::Raster;
 
 use super::rounded_views::VisibleCells;
 
-/// The views of one X^Δ given one OEM, for one camera and criterion. The cache changes the time of a look and
-/// no result.
+/// The views of one X^Δ given one OEM, for one camera and criterion. The cache changes the time of a
+/// look and no result.
 #[derive(Default)]
 pub struct ViewCache {
     grown: OnceLock<Raster>,

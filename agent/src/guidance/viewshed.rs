@@ -1,9 +1,11 @@
-//! The cells of a map that buildings hide from a cell, for `str4`. They approximate [`super::shadow`] on cells
-//! and rays: the search needs so many views that the time of one must not depend on the number of buildings.
+//! The cells of a map that buildings hide from a cell, for `str4`. They approximate [`super::shadow`]
+//! on cells and rays: the search needs so many views that the time of one must not depend on the
+//! number of buildings.
 //!
-//! Rays start in the middle of the cell of the eye (the camera); their cells relative to the eye are the same for
-//! every eye. Along a ray the caster tracks the farthest end of the shadows so far: a building of height h that
-//! ends at distance d hides, from height z, the ground up to d·z/(z-h). Each cell belongs to the ray nearest to it.
+//! Rays start in the middle of the cell of the eye (the camera); their cells relative to the eye are
+//! the same for every eye. Along a ray the caster tracks the farthest end of the shadows so far: a
+//! building of height h that ends at distance d hides, from height z, the ground up to d·z/(z-h).
+//! Each cell belongs to the ray nearest to it.
 
 use std::ops::Range;
 
@@ -49,8 +51,8 @@ pub(super) struct Viewshed {
 }
 
 impl Viewshed {
-    /// The cells of `bits` that are not hidden; `bits` are cells in one word of one row, in range, whose rays
-    /// were cast.
+    /// The cells of `bits` that are not hidden; `bits` are cells in one word of one row, in range,
+    /// whose rays were cast.
     pub(super) fn seen(&self, row: i32, word: i32, bits: u64) -> u64 {
         let index = (row - self.corner[1]) * self.words_per_row + word - self.corner[0];
         bits & !self.hidden[index as usize]
@@ -75,8 +77,8 @@ pub(super) struct RayCaster {
     reach: i32,
     /// By ray of a quadrant, with one more than there are, and by cell along its axis.
     steps: Vec<RayStep>,
-    /// By storeys: the factor from the distance of the far side of a building to the end of its shadow, seen from
-    /// `z_m`; in units of 1 / [`STRETCH`].
+    /// By storeys: the factor from the distance of the far side of a building to the end of its
+    /// shadow, seen from `z_m`; in units of 1 / [`STRETCH`].
     stretch: [u64; 256],
     z_m: f64,
 }
@@ -135,8 +137,8 @@ impl RayCaster {
         vec![0; (4 * self.reach as usize).div_ceil(64)]
     }
 
-    /// An empty viewshed from `z_m` above the middle of a cell (column, row), up to `reach_m` on the ground; no
-    /// ray is cast yet.
+    /// An empty viewshed from `z_m` above the middle of a cell (column, row), up to `reach_m` on the
+    /// ground; no ray is cast yet.
     pub(super) fn viewshed(&self, eye: [i32; 2], z_m: f64, reach_m: f64) -> Viewshed {
         let reach = self.reach.min((reach_m / self.height_map.grid().cell_m).ceil() as i32);
         let corner = [(eye[0] - reach).div_euclid(64), eye[1] - reach];

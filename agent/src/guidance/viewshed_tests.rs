@@ -67,7 +67,8 @@ fn what_is_hidden_is_what_points_say() {
             false_seen += u32::from(expected && !found);
         }
     }
-    // Rays miss corners that a line of sight only cuts, and far away a ray serves two cells side by side.
+    // Rays miss corners that a line of sight only cuts, and far away a ray serves two cells side by
+    // side.
     assert!(hidden > 10_000, "{hidden}");
     assert!(false_hidden * 100 < 2 * hidden, "{false_hidden} of {hidden}");
     assert!(false_seen * 100 < 7 * hidden, "{false_seen} of {hidden}");

@@ -10,26 +10,27 @@ use crate::work::note_edges;
 
 /// In round i of resolving crossings the engine snaps them to edge ends within 2^(2i) units.
 ///
-/// Rounding a crossing to the grid bends edges by up to a unit, which may make them cross elsewhere, and the
-/// engine starts another round. A crossing caused by bending has an edge end about a unit from the other
-/// edge, so snapping to it bends edges by no more than that, for every radius. A growing radius ends the
-/// rounds on edges that nearly coincide, as those of the same set on two agents do. With a constant radius
-/// (`Precision::ABSOLUTE`), subtracting a star from a copy of itself with vertices moved by a unit has taken
-/// minutes.
+/// Rounding a crossing to the grid bends edges by up to a unit, which may make them cross elsewhere,
+/// and the engine starts another round. A crossing caused by bending has an edge end about a unit
+/// from the other edge, so snapping to it bends edges by no more than that, for every radius. A
+/// growing radius ends the rounds on edges that nearly coincide, as those of the same set on two
+/// agents do. With a constant radius (`Precision::ABSOLUTE`), subtracting a star from a copy of
+/// itself with vertices moved by a unit has taken minutes.
 const PRECISION: Precision = Precision { start: 0, progression: 4 };
 
-/// Up to this many edges the engine keeps those under the sweep line in a list; beyond it may use a tree.
+/// Up to this many edges the engine keeps those under the sweep line in a list; beyond it may use a
+/// tree.
 ///
-/// The default of the engine is 2000 edges, its documentation recommends 10 000. With the list, grown sets of 2000 to 7000
-/// edges take a third less time. The result is the same.
+/// The default of the engine is 2000 edges, its documentation recommends 10 000. With the list, grown
+/// sets of 2000 to 7000 edges take a third less time. The result is the same.
 const LIST_UP_TO: usize = 10_000;
 
 /// Applies `rule` to two collections of rings, each filled where its winding number is positive.
 ///
 /// The rings of a collection may overlap and cross: counter-clockwise ones add, clockwise ones
-/// subtract. The shapes of the result are disjoint and oriented; their rings may touch themselves
-/// and each other in points. Its boundary is within about one grid unit of the exact one, and narrower parts
-/// or gaps may be lost or filled.
+/// subtract. The shapes of the result are disjoint and oriented; their rings may touch themselves and
+/// each other in points. Its boundary is within about one grid unit of the exact one, and narrower
+/// parts or gaps may be lost or filled.
 pub(crate) fn overlay<'a>(
     subject: impl IntoIterator<Item = &'a Ring>,
     clip: impl IntoIterator<Item = &'a Ring>,
@@ -51,9 +52,9 @@ pub(crate) fn overlay<'a>(
 
 /// Groups of parts of which no three overlap, to be applied one group after the other.
 ///
-/// Where many edges nearly coincide, as those of copies of one set do, the work of the engine explodes:
-/// subtracting ten copies with vertices moved by a unit from a star takes 0.1 s in one operation, and 0.1 ms
-/// one by one.
+/// Where many edges nearly coincide, as those of copies of one set do, the work of the engine
+/// explodes: subtracting ten copies with vertices moved by a unit from a star takes 0.1 s in one
+/// operation, and 0.1 ms one by one.
 pub(super) fn shallow_groups<'a>(
     parts: impl IntoIterator<Item = &'a Region>,
 ) -> Vec<Vec<&'a Region>> {

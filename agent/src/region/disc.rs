@@ -12,8 +12,8 @@ const LIMIT: i32 = (1 << 30) - 1;
 
 /// A regular polygon with fixed directions that contains a disc centred on the origin.
 ///
-/// Fixed directions keep the number of vertices bounded: edges of repeatedly dilated sets stay parallel and
-/// merge.
+/// Fixed directions keep the number of vertices bounded: edges of repeatedly dilated sets stay
+/// parallel and merge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disc {
     corners: Ring,
@@ -25,8 +25,8 @@ impl Disc {
     /// The circumscribed polygon of the disc of `radius_m` plus [`NUMERIC_MARGIN_M`], with
     /// `vertices` corners, or fewer where corners coincide on the grid.
     ///
-    /// A disc too large for the grid (or whose radius is not a number) is the whole plane: a set dilated by
-    /// it fills its bounds, a set eroded by it is empty.
+    /// A disc too large for the grid (or whose radius is not a number) is the whole plane: a set
+    /// dilated by it fills its bounds, a set eroded by it is empty.
     pub fn circumscribed(radius_m: f64, vertices: u16) -> Self {
         let count = vertices.max(4);
         let n = f64::from(count);

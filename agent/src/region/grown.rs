@@ -1,5 +1,5 @@
-//! Dilated outer approximations that are resolved together with the sets subtracted from them: prediction and
-//! correction in one Boolean operation.
+//! Dilated outer approximations that are resolved together with the sets subtracted from them:
+//! prediction and correction in one Boolean operation.
 
 use csat_proto::region::{GridBox, GridPoint, MAX_COORDINATE_M, Region, Ring, Shape, to_units};
 
@@ -10,14 +10,15 @@ use super::{Inner, Outer, RULE, Reach, overlay};
 
 /// A dilated outer set whose raw paths are not resolved yet: X_{k|k-1} (4.24)-(4.26).
 ///
-/// Resolving them takes as long as subtracting parts, so [`Self::minus`] does both at once. The paths are
-/// filled where their winding number is positive. Simplified rings need not be resolved before they are
-/// dilated: an outer simplification only adds to winding numbers of 0 and 1, so none is negative, a border of
-/// the filled set runs along an edge with 0 on its right, and the sweep of that edge adds the missing 1. Where
-/// two borders cross, the filled set has a reflex corner, which needs no fan.
+/// Resolving them takes as long as subtracting parts, so [`Self::minus`] does both at once. The paths
+/// are filled where their winding number is positive. Simplified rings need not be resolved before
+/// they are dilated: an outer simplification only adds to winding numbers of 0 and 1, so none is
+/// negative, a border of the filled set runs along an edge with 0 on its right, and the sweep of that
+/// edge adds the missing 1. Where two borders cross, the filled set has a reflex corner, which needs
+/// no fan.
 ///
-/// Groups of shapes whose boxes do not meet are resolved one by one: many Boolean operations on small sets
-/// take less time than one on all of them.
+/// Groups of shapes whose boxes do not meet are resolved one by one: many Boolean operations on small
+/// sets take less time than one on all of them.
 #[derive(Debug, Clone)]
 pub struct Grown {
     groups: Vec<Group>,
@@ -38,8 +39,8 @@ impl Grown {
         Self { groups: groups(shapes.cloned()), bounds: bounds.clone() }
     }
 
-    /// A superset of (`set` ⊕ `reach`) ∩ `bounds`, after a simplification by at most `tolerance_m`. A long
-    /// reach is swept in stages, of which the last one is not resolved yet.
+    /// A superset of (`set` ⊕ `reach`) ∩ `bounds`, after a simplification by at most `tolerance_m`. A
+    /// long reach is swept in stages, of which the last one is not resolved yet.
     pub fn new(set: &Outer, tolerance_m: f64, reach: &Reach, bounds: &Region) -> Self {
         let Some((set, last)) = set.before_last_stage(reach) else {
             return Self::still(&Outer::containing(bounds.clone()), bounds);

@@ -7,14 +7,14 @@ use super::simplify::{Approximation, simplify_region, simplify_shapes};
 use super::sweep::eroded_path;
 use super::{Disc, RULE, overlay};
 
-/// An inner approximation: a set that is contained in the set it approximates, up to rounding, which the
-/// margins of its parts outweigh.
+/// An inner approximation: a set that is contained in the set it approximates, up to rounding, which
+/// the margins of its parts outweigh.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Inner(Region);
 
 impl Inner {
-    /// Declares that `region` is contained in the set it approximates. This is where a guarantee enters: the
-    /// caller has a proposition that says so, or a checked message that claims so.
+    /// Declares that `region` is contained in the set it approximates. This is where a guarantee
+    /// enters: the caller has a proposition that says so, or a checked message that claims so.
     pub fn within(region: Region) -> Self {
         Self(region)
     }
@@ -49,8 +49,8 @@ impl Inner {
         })
     }
 
-    /// self ∪ `parts`, simplified by at most `tolerance_m` where parts were added. Shapes whose boxes meet no
-    /// part stay as they are.
+    /// self ∪ `parts`, simplified by at most `tolerance_m` where parts were added. Shapes whose boxes
+    /// meet no part stay as they are.
     pub fn absorbing(self, parts: &[&Inner], tolerance_m: f64) -> Inner {
         let added: Vec<GridBox> = parts
             .iter()

@@ -1,10 +1,10 @@
 //! Limits the number of vertices of a set.
 //!
-//! Each round doubles a length. It simplifies the border by that length and drops what is narrower than a few
-//! times that length (holes of an outer approximation, shapes of an inner one). If that does not suffice, it
-//! grows or shrinks the set by that length, which closes gaps. In the end an outer approximation fills its
-//! bounds and an inner one is empty, so the rounds end for every set. Outer approximations only grow and
-//! inner ones only shrink.
+//! Each round doubles a length. It simplifies the border by that length and drops what is narrower
+//! than a few times that length (holes of an outer approximation, shapes of an inner one). If that
+//! does not suffice, it grows or shrinks the set by that length, which closes gaps. In the end an
+//! outer approximation fills its bounds and an inner one is empty, so the rounds end for every set.
+//! Outer approximations only grow and inner ones only shrink.
 
 use csat_proto::region::{GridBox, Region, Ring, Shape, UNITS_PER_M};
 

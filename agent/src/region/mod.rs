@@ -1,7 +1,7 @@
 //! Planar sets with their guarantee in the type: outer and inner approximations.
 //!
-//! An [`Outer`] contains the set it approximates, an [`Inner`] is contained in it. Only operations that keep
-//! this guarantee exist:
+//! An [`Outer`] contains the set it approximates, an [`Inner`] is contained in it. Only operations
+//! that keep this guarantee exist:
 //!
 //! | operation | result |
 //! |---|---|
@@ -50,5 +50,6 @@ pub(crate) use simplify::{Approximation, Tolerance, simplify_ring};
 pub(crate) use boolean::{RULE, overlay};
 pub(crate) use vector::turn;
 
-/// ε_num: a bound, with a wide margin, on what the polygon operations of a step lose by rounding, metres.
+/// ε_num: a bound, with a wide margin, on what the polygon operations of a step lose by rounding,
+/// metres.
 pub const NUMERIC_MARGIN_M: f64 = 1e-4;

@@ -7,19 +7,20 @@ use super::simplify::{Approximation, simplify_region, simplify_shapes};
 use super::sweep::dilated_path;
 use super::{Disc, Inner, RULE, overlay};
 
-/// An outer approximation: a set that contains the set it approximates; rounding may only make it larger.
+/// An outer approximation: a set that contains the set it approximates; rounding may only make it
+/// larger.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Outer(Region);
 
 impl Outer {
-    /// Declares that `region` contains the set it approximates. This is where a guarantee enters: the caller
-    /// has a proposition that says so, or a checked message that claims so.
+    /// Declares that `region` contains the set it approximates. This is where a guarantee enters: the
+    /// caller has a proposition that says so, or a checked message that claims so.
     pub fn containing(region: Region) -> Self {
         Self(region)
     }
 
-    /// The union of convex rings (counter-clockwise, on the grid; points and segments are allowed), each
-    /// dilated by `disc`, within `bounds`.
+    /// The union of convex rings (counter-clockwise, on the grid; points and segments are allowed),
+    /// each dilated by `disc`, within `bounds`.
     pub(crate) fn around(rings: &[Ring], disc: &Disc, bounds: &Region) -> Self {
         // A point at the end of the grid may be the rounded image of a point beyond it.
         let end = to_units(MAX_COORDINATE_M);

@@ -14,11 +14,11 @@ const STAGE_TOLERANCE_OF_PERIOD: f64 = 1.0 / 1024.0;
 
 /// A disc of any size, in stages.
 ///
-/// If a set is swept with a disc much larger than its details, the number of crossings of its raw path is the
-/// number of pairs of its edges: for thousands of vertices and a minute of age, gigabytes. So the disc is
-/// swept in stages, each as large as all stages before it together, with a simplification before each stage:
-/// details are removed before they are swept far. The polygons of the stages are homothetic, so their
-/// Minkowski sum is the polygon of the whole disc.
+/// If a set is swept with a disc much larger than its details, the number of crossings of its raw
+/// path is the number of pairs of its edges: for thousands of vertices and a minute of age,
+/// gigabytes. So the disc is swept in stages, each as large as all stages before it together, with a
+/// simplification before each stage: details are removed before they are swept far. The polygons of
+/// the stages are homothetic, so their Minkowski sum is the polygon of the whole disc.
 #[derive(Debug, Clone)]
 pub struct Reach {
     whole: Disc,
@@ -35,7 +35,8 @@ pub(super) struct Stage {
 }
 
 impl Reach {
-    /// A disc of `radius_m`, by circumscribed polygons of `vertices` corners. Up to a metre it is one stage.
+    /// A disc of `radius_m`, by circumscribed polygons of `vertices` corners. Up to a metre it is one
+    /// stage.
     pub fn new(radius_m: f64, vertices: u16) -> Self {
         Self::staged(radius_m, vertices, STAGE_TOLERANCE)
     }
@@ -74,8 +75,8 @@ impl Reach {
 }
 
 impl Outer {
-    /// A superset of (self ⊕ reach) ∩ bounds. The stages after a simplification move corners that it pushed
-    /// out farther, by up to three quarters of the reach.
+    /// A superset of (self ⊕ reach) ∩ bounds. The stages after a simplification move corners that it
+    /// pushed out farther, by up to three quarters of the reach.
     pub fn dilated_far(&self, reach: &Reach, bounds: &Region) -> Outer {
         let Some((set, last)) = self.before_last_stage(reach) else {
             return Outer::containing(bounds.clone());
@@ -84,7 +85,8 @@ impl Outer {
         Outer::containing(overlay(&paths, bounds.rings(), RULE::Intersect))
     }
 
-    /// self ⊕ all stages but the last one, and the last stage. `None` if the reach is too large for the grid.
+    /// self ⊕ all stages but the last one, and the last stage. `None` if the reach is too large for
+    /// the grid.
     pub(super) fn before_last_stage<'r>(&self, reach: &'r Reach) -> Option<(Outer, &'r Stage)> {
         if !reach.whole.fits(self.region()) {
             return None;

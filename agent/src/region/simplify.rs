@@ -3,12 +3,12 @@
 //! Dropping a vertex v between a and b replaces the path a-v-b by a-b: the winding number changes by
 //! one over the triangle (a, v, b) and nowhere else: up at a reflex vertex, down at a convex one. So
 //! a set that is filled where the winding number is positive only grows when reflex vertices are
-//! dropped, and only shrinks when convex ones are, whatever else lies in the triangle. So no topological test
-//! is needed, only one resolving pass afterwards.
+//! dropped, and only shrinks when convex ones are, whatever else lies in the triangle. So no
+//! topological test is needed, only one resolving pass afterwards.
 //!
-//! Likewise, replacing an edge between two convex vertices by the point where its neighbours meet adds the
-//! triangle between them, which is allowed for an outer approximation; replacing an edge between two reflex
-//! vertices removes a triangle, which is allowed for an inner one.
+//! Likewise, replacing an edge between two convex vertices by the point where its neighbours meet
+//! adds the triangle between them, which is allowed for an outer approximation; replacing an edge
+//! between two reflex vertices removes a triangle, which is allowed for an inner one.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -87,8 +87,8 @@ pub(super) fn simplified_rings<'a>(
         .collect()
 }
 
-/// Simplifies one ring by the safe moves of `approximation`, cheapest first, as far as `tolerance` allows;
-/// collinear vertices always go.
+/// Simplifies one ring by the safe moves of `approximation`, cheapest first, as far as `tolerance`
+/// allows; collinear vertices always go.
 ///
 /// The ring may cross itself afterwards and is to be filled where its winding number is positive. It
 /// may become empty: an outer ring of an inner approximation, or a hole of an outer one.

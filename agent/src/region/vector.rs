@@ -36,8 +36,8 @@ impl Vector {
     }
 }
 
-/// Twice the signed area of the triangle (a, b, c): positive if the path a → b → c turns to the left, 0 if it
-/// goes straight on or back.
+/// Twice the signed area of the triangle (a, b, c): positive if the path a → b → c turns to the left,
+/// 0 if it goes straight on or back.
 pub(crate) fn turn(a: GridPoint, b: GridPoint, c: GridPoint) -> i128 {
     Vector::between(a, b).cross(Vector::between(b, c))
 }

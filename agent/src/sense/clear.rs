@@ -10,8 +10,8 @@ use crate::region::Inner;
 /// C = P^g(Y^g) ∩ X_g (4.6): the ground seen through Ground pixels, inner.
 ///
 /// The image-to-ground map is a homography, and homographies map straight edges to straight edges:
-/// mapping the corners of the pixels' outline is exact for any number of pixels. `outline`
-/// holds rings in 1/256 pixels with the ground on the left, filled by positive winding; no target location
+/// mapping the corners of the pixels' outline is exact for any number of pixels. `outline` holds
+/// rings in 1/256 pixels with the ground on the left, filled by positive winding; no target location
 /// is in the result by Assumption 7 (Proposition 14).
 pub fn clear_ground(view: &CameraView, outline: &[Ring], ground: &Region) -> Inner {
     let pixels = |units: i32| f64::from(units) / f64::from(UNITS_PER_PX);
@@ -27,8 +27,8 @@ pub fn clear_ground(view: &CameraView, outline: &[Ring], ground: &Region) -> Inn
     mapped.map_or_else(Inner::default, |rings| Inner::from_rings(&rings, ground))
 }
 
-/// A ring (`world`, metres) rounded to the grid. Parts beyond the grid are cut off, because moving their
-/// corners would change the directions of edges.
+/// A ring (`world`, metres) rounded to the grid. Parts beyond the grid are cut off, because moving
+/// their corners would change the directions of edges.
 fn rounded(ring: Vec<[f64; 2]>) -> Ring {
     let is_beyond = |p: &[f64; 2]| p.iter().any(|x| x.abs() > MAX_COORDINATE_M);
     let ring = if ring.iter().any(is_beyond) {

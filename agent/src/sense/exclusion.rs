@@ -6,8 +6,8 @@ use csat_proto::region::{Region, Ring, grid_point, metres};
 
 use crate::region::{Inner, NUMERIC_MARGIN_M, Outer};
 
-/// X̲^t (4.17), inner: the points within r_s^tt of every possible location of an identified target, so no
-/// other target's location is in it. Empty when the location is too uncertain.
+/// X̲^t (4.17), inner: the points within r_s^tt of every possible location of an identified target,
+/// so no other target's location is in it. Empty when the location is too uncertain.
 pub fn exclusion(location: &Outer, radius_m: f64, vertices: u16) -> Inner {
     // The discs about the vertices suffice: distance to a fixed point is greatest at a vertex of the
     // convex hull (A.8), and taking the other vertices too changes nothing.
@@ -19,8 +19,9 @@ pub fn exclusion(location: &Outer, radius_m: f64, vertices: u16) -> Inner {
 /// The intersection of the inscribed regular polygons of the discs of `radius_m` about `points`
 /// (metres), as a counter-clockwise ring; `None` when it does not contain the points' centre.
 ///
-/// They are smaller than the discs by the numeric margin, like every inner approximation that is subtracted
-/// from an outer one: what is left around a target is wider than the rounding of Boolean operations.
+/// They are smaller than the discs by the numeric margin, like every inner approximation that is
+/// subtracted from an outer one: what is left around a target is wider than the rounding of Boolean
+/// operations.
 ///
 /// All polygons share their edge directions, so the intersection is bounded, in each direction, by
 /// the edge of the rearmost one.

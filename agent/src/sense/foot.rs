@@ -1,9 +1,10 @@
 //! The foot of a wall: seen ground in front of an obstacle bounds the position of the obstacle.
 //!
-//! Obstacles are Z-convex (3.1): all points below a point of an obstacle belong to it too. So no point of an
-//! obstacle is above seen ground, and of the points that may have lit an Obstacle pixel those above seen
-//! ground are excluded. With noisy depths the position of a wall is uncertain by a metre or two; the ground in
-//! front of its foot removes nearly half of that, and all of it where the measured depth is too short.
+//! Obstacles are Z-convex (3.1): all points below a point of an obstacle belong to it too. So no
+//! point of an obstacle is above seen ground, and of the points that may have lit an Obstacle pixel
+//! those above seen ground are excluded. With noisy depths the position of a wall is uncertain by a
+//! metre or two; the ground in front of its foot removes nearly half of that, and all of it where the
+//! measured depth is too short.
 
 use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
@@ -11,14 +12,15 @@ use nalgebra::Vector3;
 
 use super::label_at;
 
-/// Pixels within this distance of the image of a point must be Ground too, pixels; far more than rounding.
+/// Pixels within this distance of the image of a point must be Ground too, pixels; far more than
+/// rounding.
 const GUARD_PX: f64 = 0.01;
 /// How often the step is halved after a part that is not all seen.
 const HALVINGS: u32 = 3;
 
-/// The part of the hull of `corners` (`world`, metres) that is not above seen ground, as the corners of a set
-/// that contains it. On the side of the camera, the part is cut off that is seen through Ground pixels of the
-/// same frame over the whole width of the hull. Empty if all of it is seen.
+/// The part of the hull of `corners` (`world`, metres) that is not above seen ground, as the corners
+/// of a set that contains it. On the side of the camera, the part is cut off that is seen through
+/// Ground pixels of the same frame over the whole width of the hull. Empty if all of it is seen.
 pub(super) fn unseen_part(
     view: &CameraView,
     frame: &Frame,

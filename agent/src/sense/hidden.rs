@@ -33,8 +33,8 @@ pub fn empty_cells(view: &CameraView, frame: &Frame, grid: Grid) -> Vec<OemDelta
 
 /// Calls `visit` with every cell whose centre projects into the image, within d_max.
 ///
-/// Along a row the centres move by a constant in the frame of the camera, so a cell takes one addition and one
-/// division instead of a change of frames.
+/// Along a row the centres move by a constant in the frame of the camera, so a cell takes one
+/// addition and one division instead of a change of frames.
 fn for_each_visible_cell(
     view: &CameraView,
     frame: &Frame,

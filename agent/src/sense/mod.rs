@@ -80,8 +80,8 @@ impl Measured {
     }
 }
 
-/// Turns frames into measured sets. Its only state is where obstacle margins were measured before, so that it
-/// does not measure them again.
+/// Turns frames into measured sets. Its only state is where obstacle margins were measured before, so
+/// that it does not measure them again.
 #[derive(Debug, Clone)]
 pub struct Sensor {
     config: AgentConfig,
@@ -126,8 +126,8 @@ impl Sensor {
         measured
     }
 
-    /// The limit of vertices. It applies to the sets as they are sent, so that receivers apply the same sets as
-    /// the sender.
+    /// The limit of vertices. It applies to the sets as they are sent, so that receivers apply the
+    /// same sets as the sender.
     fn max_vertices(&self) -> usize {
         self.config.estimator.max_vertices as usize
     }

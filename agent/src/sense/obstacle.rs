@@ -16,8 +16,8 @@ use super::pyramid::{ground_corners, top_m};
 use crate::config::AgentConfig;
 use crate::region::Inner;
 
-/// Number of grades of the quality of a margin: a margin of grade g is an intersection of discs that contains
-/// a disc of g / `GRADES` of their radius.
+/// Number of grades of the quality of a margin: a margin of grade g is an intersection of discs that
+/// contains a disc of g / `GRADES` of their radius.
 const GRADES: f64 = 8.0;
 
 /// Margins below this grade are dropped: such small discs, one per cell, do not overlap.
@@ -32,9 +32,9 @@ pub struct ObstacleFindings {
     pub occupied: Vec<OemDelta>,
 }
 
-/// Measures S° and heights, and keeps grids of the quality of what was measured. Any subset of the pixels is
-/// sound. So it skips pixels whose disc is no better than the best one of their cell, and pixels that are no
-/// higher than their cell.
+/// Measures S° and heights, and keeps grids of the quality of what was measured. Any subset of the
+/// pixels is sound. So it skips pixels whose disc is no better than the best one of their cell, and
+/// pixels that are no higher than their cell.
 #[derive(Debug, Clone)]
 pub struct MarginSensor {
     grid: Grid,
@@ -144,8 +144,8 @@ impl MarginSensor {
         usize::try_from(bounded.far_end).map_or(true, |cell| bounded.top_dm > height_dm(cell))
     }
 
-    /// S°(pixel) (4.7): the points within r_s^to of every point that may have lit the pixel. `None` when it is
-    /// empty or the margin of its cell is as good.
+    /// S°(pixel) (4.7): the points within r_s^to of every point that may have lit the pixel. `None`
+    /// when it is empty or the margin of its cell is as good.
     fn margin_of(&mut self, view: &CameraView, pixel: &Pixel) -> Option<Ring> {
         let Pixel { column, row, depth_m: [near, far], ray } = *pixel;
         let half_span_m = (far - near) / 2.0 * (ray.x * ray.x + ray.y * ray.y).sqrt();
@@ -155,8 +155,8 @@ impl MarginSensor {
         disc_intersection(&corners, self.radius_m, self.vertices)
     }
 
-    /// The same, for the points that are not above seen ground. On a wall whose foot is seen these are about
-    /// half of the points, and few where the measured depth is too short.
+    /// The same, for the points that are not above seen ground. On a wall whose foot is seen these
+    /// are about half of the points, and few where the measured depth is too short.
     fn margin_at_foot(&mut self, view: &CameraView, frame: &Frame, pixel: &Pixel) -> Option<Ring> {
         let [near, far] = pixel.depth_m.map(|depth_m| view.centre_world() + pixel.ray * depth_m);
         let (column, row) = self.grid.cell_of([far.x, far.y])?;
@@ -171,8 +171,8 @@ impl MarginSensor {
         disc_intersection(&corners, self.radius_m, self.vertices)
     }
 
-    /// Notes an intersection of discs about points at most `half_span_m` from `centre`, if its grade is the
-    /// best in its cell and not too low.
+    /// Notes an intersection of discs about points at most `half_span_m` from `centre`, if its grade
+    /// is the best in its cell and not too low.
     fn improve(&mut self, centre: [f64; 2], half_span_m: f64) -> Option<()> {
         let grade = (1.0 - half_span_m / self.radius_m) * GRADES;
         if grade < LEAST_GRADE {
@@ -209,8 +209,8 @@ impl MarginSensor {
     }
 }
 
-/// The pixels that locate walls best: of each unbroken run of Obstacle pixels in a column of the image, the one
-/// whose far end is nearest.
+/// The pixels that locate walls best: of each unbroken run of Obstacle pixels in a column of the
+/// image, the one whose far end is nearest.
 struct WallPixels<'a> {
     view: &'a CameraView,
     frame: &'a Frame,

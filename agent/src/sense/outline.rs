@@ -106,8 +106,8 @@ fn walk(mask: &Mask, column: i32, row: i32, walked: &mut [bool]) -> Ring {
 /// slanted border becomes its inner chords. The result is contained in the outline where filled by
 /// positive winding; its rings may cross.
 pub fn simplified_inward(outline: &[Ring], tolerance_px: f64) -> Vec<Ring> {
-    // The length is unlimited, because an image is small. Meeting points are off: they would not lie on the
-    // grid of pixels.
+    // The length is unlimited, because an image is small. Meeting points are off: they would not lie
+    // on the grid of pixels.
     let height = tolerance_px * f64::from(UNITS_PER_PX);
     let tolerance = Tolerance { height, length: f64::INFINITY, meet: false };
     outline

@@ -1,9 +1,9 @@
 //! Upper bounds on what Obstacle pixels may prove, in single precision.
 //!
-//! In flight nearly every Obstacle pixel proves nothing new: its cells were measured as well before. The exact
-//! computation takes two roots and a dozen divisions per pixel. The bounds are computed in single precision
-//! for many pixels at once, in loops that compile to vector instructions. Only pixels whose bounds do not
-//! decide are computed exactly, so the result is the same to the last bit.
+//! In flight nearly every Obstacle pixel proves nothing new: its cells were measured as well before.
+//! The exact computation takes two roots and a dozen divisions per pixel. The bounds are computed in
+//! single precision for many pixels at once, in loops that compile to vector instructions. Only
+//! pixels whose bounds do not decide are computed exactly, so the result is the same to the last bit.
 
 use csat_proto::camera::CameraView;
 use csat_proto::raster::Grid;
@@ -51,8 +51,8 @@ struct GridFromCamera {
 pub(super) struct PixelBounds {
     /// Upper bound of the grade of the margin.
     pub(super) grade: [f32; LANES],
-    /// The index of the cell of the grid of margins under the middle of the segment that may have lit the
-    /// pixel's centre; negative if the cell is uncertain or outside.
+    /// The index of the cell of the grid of margins under the middle of the segment that may have lit
+    /// the pixel's centre; negative if the cell is uncertain or outside.
     pub(super) middle: [i32; LANES],
     /// The index of the cell of the OEM under the far end of that segment; likewise.
     pub(super) far_end: [i32; LANES],
@@ -63,8 +63,8 @@ pub(super) struct PixelBounds {
 }
 
 impl PixelBounder {
-    /// The bounds of a frame of `view`, for margins of `radius_m` in up to `grades` grades on the first of
-    /// `grids` and heights on the second.
+    /// The bounds of a frame of `view`, for margins of `radius_m` in up to `grades` grades on the
+    /// first of `grids` and heights on the second.
     pub(super) fn new(view: &CameraView, radius_m: f64, grades: f64, grids: [&Grid; 2]) -> Self {
         let model = view.model();
         let centre = view.centre_world();
@@ -82,8 +82,8 @@ impl PixelBounder {
         }
     }
 
-    /// The bounds of pixels of depths `depth`. The ray of the first pixel is `first`, and that of each further
-    /// pixel is `step` more, `world`.
+    /// The bounds of pixels of depths `depth`. The ray of the first pixel is `first`, and that of
+    /// each further pixel is `step` more, `world`.
     pub(super) fn bounds(
         &self,
         first: &Vector3<f64>,
@@ -126,7 +126,8 @@ impl GridFromCamera {
         }
     }
 
-    /// The index of the cell of a point `from_eye`, metres; negative if the cell is uncertain or outside.
+    /// The index of the cell of a point `from_eye`, metres; negative if the cell is uncertain or
+    /// outside.
     fn cell(&self, from_eye: [f32; 2]) -> i32 {
         let [u, v] = [0, 1].map(|axis| self.eye[axis] + from_eye[axis] * self.cells_per_m);
         let [(column, middle_u), (row, middle_v)] = [u, v].map(whole);
@@ -138,8 +139,9 @@ impl GridFromCamera {
     }
 }
 
-/// The integer part of a number up to 2²² that is neither negative nor nearly an integer, and that part plus
-/// one half. It compiles to vector instructions on all targets, unlike a conversion to an integer.
+/// The integer part of a number up to 2²² that is neither negative nor nearly an integer, and that
+/// part plus one half. It compiles to vector instructions on all targets, unlike a conversion to an
+/// integer.
 fn whole(x: f32) -> (i32, f32) {
     // Numbers near this one have a spacing of 1, so that their last 22 bits are the offset from it.
     const HERE: f32 = 1.5 * (1 << 23) as f32;
@@ -168,8 +170,8 @@ mod tests {
         f64::from(rng.next_u32()) / 2f64.powi(32)
     }
 
-    /// Checks a lane of `bounds` against its pixel. Returns how many of its two cells are certain, and how many
-    /// exist.
+    /// Checks a lane of `bounds` against its pixel. Returns how many of its two cells are certain,
+    /// and how many exist.
     fn check(
         view: &CameraView,
         grids: [&Grid; 2],

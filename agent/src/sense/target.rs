@@ -17,10 +17,10 @@ const MAX_TILES: usize = 8;
 /// X^{t,m} (4.4), outer: the ground projections of the pyramids of all Target pixels in the box,
 /// dilated by r^t (`cylinder`), in X_g.
 ///
-/// By (3.53) at least one of these pixels shows the target; which one is unknown. Neighbouring pixels of a row
-/// are covered by the common convex hull of their pyramids. All dilated hulls of a target overlap, and the time
-/// of their union is quadratic in their number. So a target with more than `MAX_HULLS` runs, which is seen from
-/// nearby, is covered by the hulls of the tiles of its box.
+/// By (3.53) at least one of these pixels shows the target; which one is unknown. Neighbouring pixels
+/// of a row are covered by the common convex hull of their pyramids. All dilated hulls of a target
+/// overlap, and the time of their union is quadratic in their number. So a target with more than
+/// `MAX_HULLS` runs, which is seen from nearby, is covered by the hulls of the tiles of its box.
 pub fn location(
     view: &CameraView,
     frame: &Frame,
@@ -113,8 +113,8 @@ impl<'a> TargetPixels<'a> {
 }
 
 /// The convex hull (counter-clockwise) of points, by Andrew's monotone chain; `None` without points.
-/// Collinear points give a ring without area, which a dilation turns into a set. A single point becomes a
-/// segment of one grid unit, so that it has an edge to dilate.
+/// Collinear points give a ring without area, which a dilation turns into a set. A single point
+/// becomes a segment of one grid unit, so that it has an edge to dilate.
 fn convex_hull(mut points: Vec<GridPoint>) -> Option<Ring> {
     points.sort_unstable_by_key(|p| (p.x, p.y));
     points.dedup();

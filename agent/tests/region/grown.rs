@@ -68,7 +68,8 @@ fn growing_and_cutting_at_once_changes_nothing() {
     });
 }
 
-/// A long reach is swept in stages; the result exceeds the exact set by no more than that of a far dilation.
+/// A long reach is swept in stages; the result exceeds the exact set by no more than that of a far
+/// dilation.
 #[test]
 fn growing_far_contains_the_exact_set_and_little_more() {
     cases("growing_far_contains_the_exact_set_and_little_more", 400, |rng| {

@@ -152,8 +152,8 @@ pub fn disc_offsets(rng: &mut Rng, radius_m: f64, count: u32) -> Vec<[f64; 2]> {
     std::iter::once([0.0, 0.0]).chain((0..count).map(offset)).collect()
 }
 
-/// The region without splinters that rounding may leave: holes and shapes one or two grid units wide. A later
-/// erosion would enlarge such holes, a later dilation such shapes.
+/// The region without splinters that rounding may leave: holes and shapes one or two grid units wide.
+/// A later erosion would enlarge such holes, a later dilation such shapes.
 pub fn without_splinters(region: Region) -> Region {
     let splinter = |ring: &Ring| {
         let (area_m2, length_m) = (twice_signed_area(ring), perimeter_of_ring_m(ring));

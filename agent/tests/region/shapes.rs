@@ -35,8 +35,8 @@ impl Drop for Replay {
     }
 }
 
-/// A region that is not ∅, of any family and of any size from a few grid units to some hundred metres, anywhere
-/// within ±1000 m.
+/// A region that is not ∅, of any family and of any size from a few grid units to some hundred
+/// metres, anywhere within ±1000 m.
 pub fn any_region(rng: &mut Rng) -> Region {
     let scales_m = [5.0 / UNITS_PER_M, 40.0 / UNITS_PER_M, 0.002, 0.05, 1.0, 8.0, 40.0, 300.0];
     let scale_m = scales_m[rng.random_range(0..scales_m.len())] * rng.random_range(0.5..1.5);

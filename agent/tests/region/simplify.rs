@@ -17,8 +17,8 @@ pub fn any_tolerance_m(rng: &mut Rng, region: &Region) -> f64 {
     size_m * 10f64.powf(rng.random_range(-5.0..0.0))
 }
 
-/// The area that moves may change in total: triangles of the height of the tolerance, a hundred times as long,
-/// and rounding along every edge.
+/// The area that moves may change in total: triangles of the height of the tolerance, a hundred times
+/// as long, and rounding along every edge.
 fn allowed_m2(region: &Region, tolerance_m: f64) -> f64 {
     let moves = region.vertex_count() as f64;
     50.0 * tolerance_m * tolerance_m * moves + 1e-5 * perimeter_m(region) + 1e-9

@@ -46,8 +46,8 @@ impl Default for ChannelConfig {
     }
 }
 
-/// A token bucket per sender and channel. Messages for which there are no tokens wait in a queue; messages
-/// that do not fit the queue are lost.
+/// A token bucket per sender and channel. Messages for which there are no tokens wait in a queue;
+/// messages that do not fit the queue are lost.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RateConfig {

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 /// `delay` of a channel.
 ///
 /// `correlation` ρ is that of normal scores: z_n = ρ z_{n-1} + √(1-ρ²) ε_n over the messages of a
-/// link, u = Φ(z), and the delay is the u-quantile. So the delays have exactly the named distribution for
-/// every ρ, and ρ is the lag-1 correlation of z (the correlation of the delays is a little less).
+/// link, u = Φ(z), and the delay is the u-quantile. So the delays have exactly the named distribution
+/// for every ρ, and ρ is the lag-1 correlation of z (the correlation of the delays is a little less).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "model", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum DelayConfig {
@@ -15,7 +15,8 @@ pub enum DelayConfig {
         /// The delay, seconds.
         mean_s: f64,
     },
-    /// The uniform distribution on [mean - spread, mean + spread]: F(x) = (x - mean + spread) / (2 spread).
+    /// The uniform distribution on [mean - spread, mean + spread]: F(x) = (x - mean + spread) / (2
+    /// spread).
     Uniform {
         /// The middle, seconds.
         mean_s: f64,

@@ -47,8 +47,8 @@ pub enum LossConfig {
         /// A text file in the form of `lost`; the loader of the scenario reads it.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         file: Option<String>,
-        /// `1` for a message that is lost and `0` for one that is not; white space and comments after `#`
-        /// are skipped.
+        /// `1` for a message that is lost and `0` for one that is not; white space and comments after
+        /// `#` are skipped.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         lost: Option<String>,
     },

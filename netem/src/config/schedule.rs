@@ -1,5 +1,5 @@
-//! Scheduled outages, partitions and jammers. Times are seconds since the start; the first instant belongs
-//! to a span, its end does not.
+//! Scheduled outages, partitions and jammers. Times are seconds since the start; the first instant
+//! belongs to a span, its end does not.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,8 @@
 //! Statistics of the links against theory, on at least 10⁶ messages per set of parameters.
 //!
-//! Every bound is four standard errors of the estimator, which account for the correlation of the losses:
-//! standard errors of independent losses raise false alarms. `--nocapture` prints the numbers.
+//! Every bound is four standard errors of the estimator, which account for the correlation of the
+//! losses: standard errors of independent losses raise false alarms. `--nocapture` prints the
+//! numbers.
 
 mod delays;
 mod estimate;

@@ -1,5 +1,5 @@
-//! Known defects of other emulators, and the same tests on one of them (`str0m-netem`) for comparison. Only
-//! the results of csat are asserted; those of the other one are printed.
+//! Known defects of other emulators, and the same tests on one of them (`str0m-netem`) for
+//! comparison. Only the results of csat are asserted; those of the other one are printed.
 
 use std::time::{Duration, Instant};
 

@@ -1,14 +1,15 @@
-//! What fuzzers do with arbitrary bytes: `fuzz/` finds inputs, `tests/fuzz.rs` replays those it kept.
+//! The checks of the fuzzers on arbitrary bytes: `fuzz/` finds inputs, `tests/fuzz.rs` replays those
+//! it kept.
 //!
 //! | function | the bytes are | must hold |
 //! |---|---|---|
-//! | [`envelope`] | a message, or what follows its checksum | decoding inverts encoding; nobody panics |
-//! | [`fact`] | the body of a fact | believed or not, the agent lives on and is believed by others |
+//! | [`envelope`] | a message, or what follows its checksum | decoding inverts encoding; no panic |
+//! | [`fact`] | the body of a fact | believed or not, the agent works on, and others accept its messages |
 //! | [`snapshot`] | the body of a snapshot | the same |
-//! | [`mod@scenario`] | a scenario file | it is loaded or every mistake is told |
-//! | [`wire::frame`] | a frame's header and pixels | nobody panics; what is accepted survives the way back |
+//! | [`mod@scenario`] | a scenario file | it is loaded, or every mistake is reported |
+//! | [`wire::frame`] | a frame's header and pixels | no panic; accepted input is the same after encoding and decoding |
 //! | [`wire::control`] | JSON or a report between world and agents | the same |
-//! | [`wire::queue`] | messages and orders in any sequence | each is heard once, and only when announced |
+//! | [`wire::queue`] | messages and orders in any sequence | each message is delivered once, and only when announced |
 
 mod moment;
 pub mod spoil;
@@ -26,7 +27,7 @@ use csat_proto::time::Step;
 
 pub use moment::Moment;
 
-/// Panics when something is found.
+/// Panics when a property does not hold.
 pub type Check = fn(&[u8]);
 
 /// The targets, as folders of `fuzz/corpus` and as functions.
@@ -43,10 +44,10 @@ pub const TARGETS: [(&str, Check); 7] = [
 /// Magic and version, before the checksum.
 const MAGIC_BYTES: usize = 5;
 
-/// A message as it arrives, once as it is and once with its first bytes and checksum put right.
+/// A received message, once as it is and once with corrected first bytes and checksum.
 ///
 /// # Panics
-/// When something is found.
+/// When a property does not hold.
 pub fn envelope(bytes: &[u8]) {
     let moment = Moment::shared();
     let magic = &moment.envelope.encode()[..MAGIC_BYTES];
@@ -63,7 +64,7 @@ pub fn envelope(bytes: &[u8]) {
 /// The body of a fact.
 ///
 /// # Panics
-/// When something is found.
+/// When a property does not hold.
 pub fn fact(bytes: &[u8]) {
     let step = postcard::from_bytes(bytes).ok().map(|fact: Fact| fact.step);
     say(0, step, bytes);
@@ -72,13 +73,13 @@ pub fn fact(bytes: &[u8]) {
 /// The body of a snapshot.
 ///
 /// # Panics
-/// When something is found.
+/// When a property does not hold.
 pub fn snapshot(bytes: &[u8]) {
     let step = postcard::from_bytes(bytes).ok().map(|snapshot: Snapshot| snapshot.fact.step);
     say(1, step, bytes);
 }
 
-/// Tells a body of a kind of [`Message`] in an honest envelope of its own step.
+/// Sends a body of a kind of [`Message`] in a valid envelope of the same step.
 fn say(kind: u8, step: Option<Step>, bytes: &[u8]) {
     let moment = Moment::shared();
     let body = [&[kind], bytes].concat();
@@ -86,7 +87,7 @@ fn say(kind: u8, step: Option<Step>, bytes: &[u8]) {
     tell(moment, &Envelope { step, body, ..moment.envelope.clone() }.encode());
 }
 
-/// An agent in the middle of a mission hears something and flies on.
+/// An agent in the middle of a mission receives a message and flies on.
 fn tell(moment: &Moment, bytes: &[u8]) {
     let mut agent = moment.agent.clone();
     agent.hear(moment.now, bytes);
@@ -111,7 +112,7 @@ fn tell(moment: &Moment, bytes: &[u8]) {
     }
 }
 
-/// Sets stay inside the region whatever was believed.
+/// Sets stay inside the region whatever message was believed.
 fn check_sets(agent: &SetMembershipAgent) {
     let limit = agent.config().ground.size_m.map(|size| to_units(size / 2.0).unsigned_abs());
     let knowledge = agent.knowledge();
@@ -125,7 +126,8 @@ fn check_sets(agent: &SetMembershipAgent) {
     }
 }
 
-/// Whatever an honest agent was told, what it says is accepted: or a liar could silence it.
+/// After any message, the messages of an agent are still accepted; otherwise a false message could
+/// silence it.
 fn check_honest(moment: &Moment, now: Step, bytes: &[u8]) {
     let envelope = Envelope::decode(bytes).expect("an agent's own message");
     let verdict = validate::check(moment.listener.config(), now, &envelope);
@@ -135,23 +137,23 @@ fn check_honest(moment: &Moment, now: Step, bytes: &[u8]) {
 /// A scenario file. The world is not made: that takes as long as the world is large.
 ///
 /// # Panics
-/// When something is found.
+/// When a property does not hold.
 pub fn scenario(bytes: &[u8]) {
-    // What it names would be read: nothing endless, please.
+    // Files that it names would be read: endless ones are left out.
     if ["/dev", "/proc", "/sys"].iter().any(|p| bytes.windows(p.len()).any(|w| w == p.as_bytes())) {
         return;
     }
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("fuzz.toml");
     std::fs::write(&path, bytes).expect("a file");
-    // Without its map a scenario is judged and no world is made.
+    // Without its map a scenario is checked and no world is made.
     let sets = ["map.file=there-is-none.geojson".to_owned()];
     let request = Request { scenario: path.to_str(), sets: &sets, seed: None };
     let mistakes = scenario::load(request).expect_err("there is no map");
     assert!(mistakes.to_string().contains("there-is-none.geojson"), "{mistakes}");
 }
 
-/// Honest inputs of every target, by file name: where fuzzers begin.
+/// Valid inputs of every target, by file name, from which fuzzers start.
 pub fn seeds() -> Vec<(&'static str, String, Vec<u8>)> {
     let moment = Moment::shared();
     let mut seeds = Vec::new();

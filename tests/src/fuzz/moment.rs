@@ -1,4 +1,4 @@
-//! An agent in the middle of a mission, to be told anything.
+//! An agent in the middle of a mission, which receives arbitrary messages.
 
 use std::sync::OnceLock;
 
@@ -13,22 +13,22 @@ use csat_proto::time::SimTime;
 use crate::flight::Flight;
 use crate::missions::small;
 
-/// Steps before it.
+/// Steps before the messages.
 const STEPS: u32 = 24;
-/// Steps after it.
+/// Steps after the messages.
 const AHEAD: usize = 2;
 
 /// UAV 0 of three, with a frame that it has not applied yet.
 pub struct Moment {
     /// UAV 0.
     pub agent: SetMembershipAgent,
-    /// When.
+    /// The time.
     pub now: SimTime,
-    /// Its digest if it hears nothing.
+    /// Its digest if it receives no message.
     pub undisturbed: u64,
-    /// An honest message to it, with an empty body.
+    /// A valid message to it, with an empty body.
     pub envelope: Envelope,
-    /// Honest messages that it has not heard.
+    /// Valid messages that it has not received.
     pub heard: Vec<Envelope>,
     /// Its next frames.
     pub ahead: Vec<(SimTime, Frame)>,
@@ -37,7 +37,7 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// The one that all tries begin at.
+    /// The moment that all inputs start from.
     pub fn shared() -> &'static Self {
         static MOMENT: OnceLock<Moment> = OnceLock::new();
         MOMENT.get_or_init(Self::fly)
@@ -46,21 +46,21 @@ impl Moment {
     fn fly() -> Self {
         let mut scenario = small(3, 120.0, 3);
         scenario.exchange.mode = ExchangeMode::FactsRepair;
-        // It says all it knows at each step.
+        // Agents send all knowledge at each step.
         scenario.exchange.snapshot_period_s = scenario.run.period_s;
         scenario.agents.start_offset_m = 0.0;
         let mut flight = Flight::scripted(&scenario, |step, agent| {
             f64::from(step / 6) * 0.5 - 1.0 + 0.8 * f64::from(agent)
         });
-        // UAV 0 hears only UAV 2, and UAV 1 has much to tell it.
+        // UAV 0 hears only UAV 2, so UAV 1 has much that UAV 0 is missing.
         let unheard = (AgentId(1), AgentId(0));
         flight.pair.filter =
             Box::new(
-                move |letter| {
-                    if (letter.src, letter.dst) == unheard { vec![] } else { vec![0.0] }
+                move |packet| {
+                    if (packet.src, packet.dst) == unheard { vec![] } else { vec![0.0] }
                 },
             );
-        flight.pair.keep_letters();
+        flight.pair.keep_packets();
         for _ in 0..STEPS {
             flight.step();
         }
@@ -72,10 +72,10 @@ impl Moment {
         let mut undisturbed = agent.clone();
         undisturbed.handle_timeout(now);
         flight.pair.step(&frames);
-        let letters = &flight.pair.letters;
-        let unheard = letters.iter().filter(|letter| (letter.src, letter.dst) == unheard);
+        let packets = &flight.pair.packets;
+        let unheard = packets.iter().filter(|packet| (packet.src, packet.dst) == unheard);
         let heard: Vec<Envelope> = unheard
-            .map(|letter| Envelope::decode(&letter.bytes).expect("an agent's own letter"))
+            .map(|packet| Envelope::decode(&packet.bytes).expect("an agent's own packet"))
             .filter(|envelope| envelope.step.0 % 6 == 0)
             .collect();
         let envelope = Envelope { body: Vec::new(), ..heard.last().expect("some").clone() };

@@ -1,4 +1,4 @@
-//! Lies with a shape: honest facts and snapshots, changed where a decoder notices nothing.
+//! False messages that decode: valid facts and snapshots with changed values.
 
 use csat_proto::ids::{AgentId, Incarnation, TargetId};
 use csat_proto::message::{Fact, HeldFacts, Snapshot};
@@ -9,7 +9,7 @@ use rand::seq::{IndexedMutRandom, IndexedRandom};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Another body of a fact; `None` if `bytes` are none.
+/// A changed body of a fact; `None` if `bytes` are not a fact.
 pub fn fact(bytes: &[u8], seed: u64) -> Option<Vec<u8>> {
     let mut fact: Fact = postcard::from_bytes(bytes).ok()?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -19,7 +19,7 @@ pub fn fact(bytes: &[u8], seed: u64) -> Option<Vec<u8>> {
     postcard::to_stdvec(&fact).ok()
 }
 
-/// Another body of a snapshot; `None` if `bytes` are none.
+/// A changed body of a snapshot; `None` if `bytes` are not a snapshot.
 pub fn snapshot(bytes: &[u8], seed: u64) -> Option<Vec<u8>> {
     let mut snapshot: Snapshot = postcard::from_bytes(bytes).ok()?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -116,7 +116,7 @@ fn spoil_region(region: &mut Region, rng: &mut ChaCha8Rng) {
             }
         }
         3 => {
-            // A part of itself, as a hole or beside it, with corners in common.
+            // A part of the shape itself, as a hole or beside it, with common corners.
             if let Some(shape) = shapes.choose_mut(rng) {
                 let ring = &shape[0];
                 let corners: Ring = ring.iter().copied().filter(|_| rng.random_bool(0.5)).collect();

@@ -1,4 +1,4 @@
-//! What comes over the wire besides messages: frames, control, and messages as they queue up.
+//! Input from the wire besides messages: frames, control, and the queue of messages.
 
 use std::collections::BTreeSet;
 
@@ -27,7 +27,7 @@ fn camera() -> CameraModel {
 /// A frame: its header, a zero byte, its pixels.
 ///
 /// # Panics
-/// When something is found.
+/// When a property does not hold.
 pub fn frame(bytes: &[u8]) {
     let end = bytes.iter().position(|byte| *byte == SEPARATOR).unwrap_or(bytes.len());
     let (header, pixels) = (&bytes[..end], bytes.get(end + 1..).unwrap_or_default());
@@ -47,10 +47,10 @@ pub fn frame(bytes: &[u8]) {
     }
 }
 
-/// Anything that the world and the processes of agents say to each other.
+/// Messages of the protocol between the world and the processes of agents.
 ///
 /// # Panics
-/// When something is found.
+/// When a property does not hold.
 pub fn control(bytes: &[u8]) {
     json::<Join>(bytes);
     json::<Welcome>(bytes);
@@ -70,11 +70,11 @@ pub fn control(bytes: &[u8]) {
     }
 }
 
-/// What JSON says, if it says it; then it says the same again.
+/// The value of a JSON text, if it has one; its own JSON has the same value.
 fn json<T: Serialize + DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     let value: T = serde_json::from_slice(bytes).ok()?;
     let text = serde_json::to_string(&value).ok()?;
-    // A float that JSON has no word for becomes null, and is refused.
+    // A float without JSON becomes null, and is refused.
     if let Ok(again) = serde_json::from_str::<T>(&text) {
         assert_eq!(
             serde_json::to_string(&again).ok().as_deref(),
@@ -85,11 +85,11 @@ fn json<T: Serialize + DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     Some(value)
 }
 
-/// Messages and orders in any sequence, six bytes each: what, whose, of which life, on which radio, and a
-/// number of two bytes.
+/// Messages and orders in any sequence, six bytes each: kind, agent, incarnation, radio, and a number
+/// of two bytes.
 ///
 /// # Panics
-/// When something is found.
+/// When a property does not hold.
 pub fn queue(bytes: &[u8]) {
     let own = AgentId(0);
     let (mut queue, mut heard) = (MessageQueue::default(), BTreeSet::new());
@@ -136,7 +136,7 @@ fn message(src: AgentId, incarnation: Incarnation, channel: ChannelId, sequence:
     Envelope { run, src, incarnation, channel, sequence, step, time, pose, body }.encode()
 }
 
-/// Honest inputs, by target and name.
+/// Valid inputs, by target and name.
 pub fn seeds() -> Vec<(&'static str, String, Vec<u8>)> {
     let header = r#"{"world": 7, "step": 1, "time": 500000, "next": 1000000, "pose": {"p_world":
         [1.5, 2.5, 52.0], "yaw_rad": 0.2, "pitch_rad": 0.0, "roll_rad": 0.0}, "incarnation": 0,

@@ -16,7 +16,7 @@ pub fn random(rng: &mut ChaCha8Rng) -> (Vec<Vec<Point>>, f64) {
             vec![vec![[-a, -a], [a, -a], [a, b], [b, b], [b, a], [-a, a]]]
         }
         3 => {
-            // A U whose inside is wide enough for a target, or not.
+            // A U whose inside may be wide enough for a target.
             let w = rng.random_range(2.0..5.0);
             let (a, b) = (w + rng.random_range(1.0..4.0), rng.random_range(6.0..12.0));
             vec![vec![[-a, -b], [a, -b], [a, b], [w, b], [w, -w], [-w, -w], [-w, b], [-a, b]]]

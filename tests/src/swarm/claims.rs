@@ -1,26 +1,26 @@
-//! Agents claim to hold only what they were told.
+//! Agents claim to hold only facts that they received.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::message::{Fact, Message};
 
-/// The facts that each agent can hold in its present life, by whose they are.
+/// The facts that each agent can hold in its current incarnation, by their origin.
 #[derive(Debug, Default)]
 pub struct Claims {
     told: BTreeMap<AgentId, Facts>,
 }
 
-/// The numbers of facts, per life of an agent.
+/// The numbers of facts, per incarnation of an agent.
 type Facts = BTreeMap<(AgentId, Incarnation), BTreeSet<u32>>;
 
 impl Claims {
-    /// An agent crashed: it forgets.
+    /// Notes that an agent crashed and lost its knowledge.
     pub fn forget(&mut self, agent: AgentId) {
         self.told.remove(&agent);
     }
 
-    /// An agent says something.
+    /// Notes that an agent sent a message.
     ///
     /// # Errors
     /// It claims a fact that it cannot hold.
@@ -43,7 +43,8 @@ impl Claims {
         Ok(())
     }
 
-    /// A message that is not rejected arrives; what a snapshot claims was checked when it was said.
+    /// Notes that a message arrived and was not rejected. The claims of a snapshot were checked when
+    /// it was sent.
     pub fn hear(
         &mut self,
         dst: AgentId,
@@ -60,7 +61,7 @@ impl Claims {
     }
 }
 
-/// The fact in a message, and whether it comes with all knowledge.
+/// The fact in a message, and whether the message is a snapshot.
 fn fact_of(message: &Message) -> Option<(&Fact, bool)> {
     match message {
         Message::Fact(fact) => Some((fact, false)),

@@ -1,4 +1,4 @@
-//! What a healed core must agree on.
+//! The agreement of the core after its links are healed.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,37 +11,37 @@ use super::draw::Draw;
 use super::laws::Trace;
 use crate::geometry::difference_m2;
 
-/// How far sets of two agents may be apart: simplifications of up to 0.15 m a step go different ways.
-/// A share of the region, and of a target's set.
+/// The allowed difference of the sets of two agents, whose simplifications of up to 0.15 m per step
+/// differ: a share of the region, and of the set of a target.
 const UNEXPLORED_SHARE: f64 = 0.01;
 const TARGET_SHARE: f64 = 0.1;
-/// The least area that the latter is taken of, m².
+/// The least area of which that share is taken, m².
 const TARGET_M2: f64 = 30.0;
 
-/// A healed core on its way to agreeing.
+/// A healed core until it agrees.
 pub struct Settling<'a> {
     draw: &'a Draw,
-    /// Who of the core has said a snapshot.
+    /// The agents of the core that have sent a snapshot.
     said: BTreeSet<u16>,
-    /// Whether sets agreed at any step since all have; before that nothing is known.
+    /// Whether the sets agreed at any step since all of them have sent one; `None` before that.
     sets: Option<Result<(), String>>,
-    /// What each of the core held last of what UAVs said: a station's facts prove nothing.
+    /// The facts of UAVs that each agent of the core held last; the facts of stations prove nothing.
     held: BTreeMap<u16, Vec<HeldFacts>>,
 }
 
 impl<'a> Settling<'a> {
-    /// The core is healed.
+    /// The state when the core is healed.
     pub fn new(draw: &'a Draw) -> Self {
         Self { draw, said: BTreeSet::new(), sets: None, held: BTreeMap::new() }
     }
 
     /// Follows a step.
     ///
-    /// Holding the same facts does not make sets the same: what came late is worth less, and sets that
-    /// grew in another order were simplified otherwise. What one has excluded and the other has not,
-    /// be it a sliver, grows from then on at v_max where nobody looks. Snapshots make up for that, and
-    /// digests do not ask for them; so sets are compared from when each has said one, and it is enough
-    /// that they agree then, before the next sliver grows.
+    /// Agents with the same facts need not have the same sets: late facts prove less, and the order
+    /// of updates changes simplifications. A sliver that one agent has excluded and another has not
+    /// grows at v_max where no UAV looks. Snapshots correct that, and digests do not ask for them. So
+    /// sets are compared after each agent of the core has sent a snapshot, and they need to agree at
+    /// one step, before the next sliver grows.
     pub fn watch(&mut self, engine: &Swarm, trace: &Trace) {
         for passage in &trace.passages {
             self.hear(&passage.bytes);
@@ -71,10 +71,11 @@ impl<'a> Settling<'a> {
         self.held.insert(src, of_uavs.collect());
     }
 
-    /// All of the core know what the first of it knows. Tells whether sets were compared, too.
+    /// Checks that all agents of the core have the knowledge of the first one. Returns whether sets
+    /// were compared.
     ///
     /// # Errors
-    /// What they do not agree on.
+    /// What differs.
     pub fn check(self, engine: &Swarm) -> Result<bool, String> {
         self.compare(engine, check_same)?;
         self.check_held()?;
@@ -87,7 +88,7 @@ impl<'a> Settling<'a> {
         }
     }
 
-    /// Nobody lacks a fact that another holds.
+    /// Checks that no agent of the core is missing a fact that another one holds.
     fn check_held(&self) -> Result<(), String> {
         let mut held = self.held.iter();
         let Some(first) = held.next() else { return Ok(()) };
@@ -97,7 +98,7 @@ impl<'a> Settling<'a> {
         }
     }
 
-    /// Compares the first of the core with each of the others.
+    /// Compares the first agent of the core with each other one.
     fn compare(
         &self,
         engine: &Swarm,
@@ -112,7 +113,7 @@ impl<'a> Settling<'a> {
     }
 }
 
-/// What is coarse is the same.
+/// Checks the parts of the knowledge that must be equal.
 fn check_same(first: &Knowledge, second: &Knowledge) -> Result<(), String> {
     if !first.targets.keys().eq(second.targets.keys()) {
         return Err(format!("{:?} and {:?}", first.targets.keys(), second.targets.keys()));
@@ -124,7 +125,7 @@ fn check_same(first: &Knowledge, second: &Knowledge) -> Result<(), String> {
     Ok(())
 }
 
-/// Sets are as precise.
+/// Checks that the sets have about the same areas.
 fn check_sets(first: &Knowledge, second: &Knowledge) -> Result<(), String> {
     let apart_m2 = difference_m2(first.unexplored.region(), second.unexplored.region());
     if apart_m2 > UNEXPLORED_SHARE * first.ground().area_m2() {

@@ -1,4 +1,4 @@
-//! Seed to scenario: every fault has a rate of its own, often 0.
+//! From a seed to a scenario: every fault has its own rate, which is often 0.
 
 use csat_agent::config::{EstimatorConfig, ExchangeMode, Schedule};
 use csat_experiments::scenario::Scenario;
@@ -17,20 +17,20 @@ use crate::missions::{small, world_of};
 /// Steps with faults.
 const STEPS: u32 = 24;
 
-/// What a seed stands for.
+/// The mission of a seed.
 #[derive(Debug, Clone)]
 pub struct Draw {
     /// The mission, with its faults.
     pub scenario: Scenario,
     /// Steps with faults.
     pub steps: u32,
-    /// The links afterwards: perfect within the core, none to the rest.
+    /// The links afterwards: perfect within the core, none to the other agents.
     pub healed: NetemConfig,
-    /// The agents that are healed.
+    /// The agents whose links are healed.
     pub core: Vec<u16>,
     /// Steps until the core has to agree.
     pub settle_steps: u32,
-    /// What is wrong with each agent's clock and camera, by index.
+    /// The handicap of each agent's clock and camera, by index.
     pub handicaps: Vec<Handicap>,
 }
 
@@ -55,19 +55,19 @@ impl Draw {
         if rng.random_bool(0.5) {
             scenario.targets.driving = Driving::Evasive;
         }
-        // Now and then sets have more vertices than they may.
+        // Sometimes sets exceed their limit of vertices.
         if rng.random_bool(0.2) {
             scenario.estimator.max_vertices = rng.random_range(50..120);
         }
         Self { scenario, steps: STEPS, healed, core, settle_steps, handicaps }
     }
 
-    /// The mission, with what is wrong with its agents.
+    /// The mission, with the handicaps of its agents.
     pub fn mission(&self) -> Faulty {
         Faulty::new(&self.scenario, self.handicaps.clone())
     }
 
-    /// What the seed exercises, as far as the draw tells.
+    /// What the seed exercises, by its draw.
     pub fn exercise(&self) -> Exercise {
         let missed = self.handicaps.iter().flat_map(|h| h.missed.clone().into_iter().flatten());
         Exercise {
@@ -80,8 +80,9 @@ impl Draw {
         }
     }
 
-    /// Whether the core has to agree in the end: what only facts carry is lost with them, what did not
-    /// fit a budget was never said, and at one instant different clocks ask for different sets.
+    /// Whether the core has to agree in the end. It does not where lost facts are not repaired, where
+    /// facts did not fit a budget, and where clocks differ, so that the agents have sets of different
+    /// steps.
     pub fn must_converge(&self) -> bool {
         let exchange = &self.scenario.exchange;
         matches!(exchange.mode, ExchangeMode::FactsRepair | ExchangeMode::Snapshot)
@@ -89,13 +90,13 @@ impl Draw {
             && exchange.clock_skew_s == 0.0
     }
 
-    /// Whether sets are kept as precise as they are known: what is simplified to have few vertices is
-    /// simplified otherwise by each.
+    /// Whether the limit of vertices is the default, which sets do not reach: agents simplify larger
+    /// sets in different ways.
     pub fn is_precise(&self) -> bool {
         self.scenario.estimator.max_vertices == EstimatorConfig::default().max_vertices
     }
 
-    /// Whether each of the core says what it knows while it settles, whatever digests tell.
+    /// Whether each agent of the core sends regular snapshots while the core settles.
     pub fn says_snapshots(&self) -> bool {
         let Scenario { exchange, run, .. } = &self.scenario;
         exchange.mode == ExchangeMode::Snapshot
@@ -103,8 +104,8 @@ impl Draw {
     }
 }
 
-/// Keeping away from buildings takes decisions in time: processes that crash or miss frames make none, so
-/// their radios fail instead.
+/// To keep clear of buildings a UAV must decide in time. Processes that crash or miss frames make no
+/// decisions, so their radios fail instead.
 fn decided_in_time(
     scenario: &mut Scenario,
     mut healed: NetemConfig,
@@ -117,7 +118,7 @@ fn decided_in_time(
     (healed, handicaps)
 }
 
-/// Clocks that differ by as much as the agents allow for, and frames that are missed, several in a row.
+/// Clocks that differ by up to the bound of the agents, and frames that are missed, several in a row.
 fn handicaps(scenario: &mut Scenario, rng: &mut ChaCha8Rng) -> Vec<Handicap> {
     let skew = if rng.random_bool(0.25) { rng.random_range(1..=4) } else { 0 };
     scenario.exchange.clock_skew_s = f64::from(skew) * scenario.run.period_s;
@@ -134,7 +135,7 @@ fn handicaps(scenario: &mut Scenario, rng: &mut ChaCha8Rng) -> Vec<Handicap> {
     (0..scenario.agent_count()).map(handicap).collect()
 }
 
-/// A town of a few blocks; another one when the cars find no room.
+/// A town of a few blocks; it is drawn again when the cars find no room.
 fn town(seed: u64, rng: &mut ChaCha8Rng) -> Scenario {
     loop {
         let side_m = rng.random_range(80.0..130.0);
@@ -143,7 +144,7 @@ fn town(seed: u64, rng: &mut ChaCha8Rng) -> Scenario {
         scenario.targets.count = rng.random_range(1..=5);
         scenario.targets.v_max_m_s = [0.5, 1.0, 2.0, 4.0][rng.random_range(0..4)];
         scenario.agents.start_offset_m = [0.0, 0.1 * side_m][rng.random_range(0..2)];
-        // Now and then cars are seen well enough, and keep far enough apart, for exclusions to tell.
+        // Sometimes cars are located well and keep far apart, so that exclusions are large.
         let sharp = rng.random_bool(0.3);
         (scenario.camera.columns, scenario.camera.rows) = if sharp { (96, 72) } else { (48, 36) };
         scenario.targets.target_distance_m = if sharp { 14.0 } else { 8.0 };
@@ -163,7 +164,7 @@ fn town(seed: u64, rng: &mut ChaCha8Rng) -> Scenario {
             };
             scenario.stations = (0..1 + seed % 2).map(station).collect();
         }
-        // Now and then buildings are higher than the flights.
+        // Sometimes buildings are higher than the UAVs fly.
         if rng.random_bool(0.15) {
             scenario.map.max_height_m = 60.0;
             scenario.agents.avoid_buildings = true;
@@ -182,7 +183,7 @@ fn exchange(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
         4..8 => ExchangeMode::Snapshot,
         _ => ExchangeMode::FactsRepair,
     };
-    // Half of the missions rely on digests alone.
+    // Half of the missions have no regular snapshots.
     exchange.snapshot_period_s =
         if rng.random_bool(0.5) { 1000.0 } else { rng.random_range(2.0..8.0) };
     exchange.repair_period_s = rng.random_range(0.5..1.0);
@@ -273,7 +274,7 @@ fn delay(rng: &mut ChaCha8Rng) -> DelayConfig {
     }
 }
 
-/// Perfect links within the core; the others are gone for good, by their radios or altogether.
+/// Perfect links within the core; the other agents have no radio for ever, or crashed.
 fn healed(core: &[u16], agents: u16, end_s: f64, crashed: bool) -> NetemConfig {
     let others = (0..agents).filter(|agent| !core.contains(agent));
     let kind = if crashed { OutageKind::Crash } else { OutageKind::Radio };
@@ -281,9 +282,9 @@ fn healed(core: &[u16], agents: u16, end_s: f64, crashed: bool) -> NetemConfig {
     NetemConfig { outage: others.map(gone).collect(), ..NetemConfig::default() }
 }
 
-/// How long agreeing may take: each of the core may have something that the others lack, notices it
-/// after the delay that messages may have, waits for its turn, and may have to wait for its period;
-/// cells of the map come in turns of their own.
+/// How long the core may take to agree: each agent may have facts that the others are missing,
+/// detects that after the delay that messages may have, waits for its turn, and may have to wait for
+/// its period; cells of the map have turns of their own.
 fn settle_steps(scenario: &Scenario, core: u32) -> u32 {
     let steps = |seconds: f64| (seconds / scenario.run.period_s).ceil() as u32;
     let exchange = &scenario.exchange;

@@ -1,8 +1,8 @@
-//! Agents whose clocks go ahead and whose frames get lost: the set-membership mission with both.
+//! Agents whose clocks are ahead and which miss frames: the set-membership mission with both.
 //!
-//! A process that is starved in real time looks at the newest frame only and misses those before; clocks
-//! differ by up to `exchange.clock_skew_s`. Neither happens in virtual time, so it is put in here,
-//! between the node and its agent.
+//! In real time a process without enough processor time handles the newest frame only and misses
+//! those before, and clocks differ by up to `exchange.clock_skew_s`. Neither occurs in virtual time,
+//! so this module adds both between the node and its agent.
 
 use std::ops::Range;
 
@@ -23,7 +23,7 @@ use csat_proto::time::{SimTime, Step};
 use csat_world::target::TargetTruth;
 use serde::{Deserialize, Serialize};
 
-/// What is wrong with one agent.
+/// The handicap of one agent.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Handicap {
     /// By how many steps its clock is ahead of the world's.
@@ -41,7 +41,7 @@ pub struct Faulty {
 }
 
 impl Faulty {
-    /// The mission that `scenario` describes, with these handicaps.
+    /// The mission of `scenario` with these handicaps.
     pub fn new(scenario: &Scenario, handicaps: Vec<Handicap>) -> Self {
         Self { mission: SetMembership::new(scenario), period_s: scenario.run.period_s, handicaps }
     }
@@ -61,7 +61,7 @@ impl FaultyAgent {
         now.after(self.ahead_s)
     }
 
-    /// The agent's step when the world's is `step`; `None` if it misses that one.
+    /// The agent's step when the world's is `step`; `None` if it misses that frame.
     fn noticed(&self, step: Step) -> Option<Step> {
         let is_missed = self.handicap.missed.iter().any(|steps| steps.contains(&step.0));
         (!is_missed).then(|| step.after(self.handicap.ahead))
@@ -118,10 +118,10 @@ impl Agent for FaultyAgent {
     }
 }
 
-/// A report, and by how many steps the clock is ahead that it was made by.
+/// A report, and by how many steps the clock of its agent is ahead.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct FaultyReport {
-    /// What the agent told.
+    /// The report of the agent.
     pub inner: Report,
     ahead: u32,
 }

@@ -1,4 +1,4 @@
-//! What must hold at every step of every mission.
+//! The laws that hold at every step of every mission.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ use super::draw::Draw;
 use super::faulty::Faulty;
 use super::{Exercise, Swarm, merge};
 
-/// Identity of a message: sender, life, radio, number.
+/// Identity of a message: sender, incarnation, radio, number.
 type Identity = (AgentId, Incarnation, ChannelId, u64);
 
 /// Checks one mission.
@@ -28,15 +28,15 @@ pub struct Laws {
     /// By how many steps each agent's clock is ahead.
     ahead: Vec<u32>,
     misses_frames: bool,
-    /// Where the targets were, by step.
+    /// The locations of the targets, by step.
     truth: Vec<Vec<[f64; 2]>>,
-    /// What was said under each identity, as a checksum.
+    /// The checksum of the message of each identity.
     said: BTreeMap<Identity, u32>,
-    /// Per receiver and sender, the newest life that the receiver believes in.
+    /// Per receiver and sender, the newest incarnation that the receiver believes.
     believed: BTreeMap<(AgentId, AgentId), Incarnation>,
-    /// Per receiver, messages of lives that were over, in the receiver's present life.
+    /// Per receiver, messages of incarnations that were over, in the receiver's current incarnation.
     stale: BTreeMap<AgentId, u64>,
-    /// The same for damaged ones.
+    /// The same for damaged messages.
     damaged: BTreeMap<AgentId, u64>,
     claims: Claims,
     exercise: Exercise,
@@ -46,7 +46,7 @@ pub struct Laws {
 pub type Trace = StepTrace<Faulty>;
 
 impl Laws {
-    /// Before the first step.
+    /// The state before the first step.
     pub fn new(draw: &Draw) -> Self {
         Self {
             period_s: draw.scenario.run.period_s,
@@ -112,7 +112,7 @@ impl Laws {
         }
     }
 
-    /// The monitor admits a target half of ε beyond the northern end of its set, and not two of them.
+    /// The monitor admits a target ε/2 beyond the northern end of its set, and none 2 ε beyond.
     fn check_monitor(&self, trace: &Trace) -> Result<(), String> {
         let count = self.truth.last().map_or(0, Vec::len) as u16;
         for report in trace.flown.iter().filter_map(|flown| flown.report.as_ref()) {
@@ -135,7 +135,7 @@ impl Laws {
         Ok(())
     }
 
-    /// Every message has an identity of its own and says the truth about its step.
+    /// Every message has its own identity, and its contents are true at its step.
     fn check_said(&mut self, trace: &Trace) -> Result<(), String> {
         for passage in &trace.passages {
             let sent = &passage.sent;
@@ -172,7 +172,7 @@ impl Laws {
         .map_err(|law| format!("UAV {src} said: {law}"))
     }
 
-    /// Where the targets were at a step of an agent's clock.
+    /// The locations of the targets at a step of an agent's clock.
     fn at(
         &self,
         clock: AgentId,
@@ -218,7 +218,7 @@ impl Laws {
         Ok(())
     }
 
-    /// Follows what a receiver may believe of whom, and what it is told.
+    /// Notes an arrival: which incarnation the receiver believes, and which facts it gets.
     fn hear(&mut self, engine: &Swarm, arrival: &Arrival) -> Result<(), String> {
         let node = &engine.nodes()[usize::from(arrival.dst.0)];
         if !node.is_alive() {
@@ -228,7 +228,7 @@ impl Laws {
             *self.damaged.entry(arrival.dst).or_default() += 1;
             return Ok(());
         };
-        // Messages are dated by the receiver's last frame.
+        // The age of messages is relative to the receiver's last frame.
         let now = node.agent.inner.knowledge().step;
         let soonest = now.after((self.clock_skew_s / self.period_s).ceil() as u32 + 1);
         let age_s = f64::from(now.0.saturating_sub(envelope.step.0)) * self.period_s;
@@ -247,7 +247,8 @@ impl Laws {
         Ok(())
     }
 
-    /// Agents reject what is damaged, too old or of an earlier life, all of it and nothing else.
+    /// Agents reject all messages that are damaged, too old or of an earlier incarnation, and no
+    /// others.
     fn check_rejections(&self, engine: &Swarm) -> Result<(), String> {
         for (node, id) in engine.nodes().iter().zip(0..).filter(|(node, _)| node.is_alive()) {
             let rejected = node.agent.inner.rejected();
@@ -265,7 +266,8 @@ impl Laws {
             }
             let mut allowed = vec!["incarnation", "checksum", "envelope", "too-old"];
             if self.misses_frames || self.clock_skew_s > 0.0 {
-                // Who lags does not know yet that the others are right.
+                // An agent that is behind, by its clock or by missed frames, may reject messages of
+                // later steps.
                 allowed.extend(["future", "plan"]);
             }
             if let Some(reason) = rejected.keys().find(|reason| !allowed.contains(reason)) {
@@ -276,7 +278,7 @@ impl Laws {
     }
 }
 
-/// What an envelope holds.
+/// The message in an envelope.
 fn message_of(envelope: &Envelope) -> Result<Message, String> {
     postcard::from_bytes(&envelope.body).map_err(|e| format!("said: {e}"))
 }

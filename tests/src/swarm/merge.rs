@@ -1,5 +1,5 @@
-//! The laws of merging, on what agents really know and hear: two messages in either order, or twice,
-//! make the same knowledge.
+//! The laws of merging, on the knowledge and messages of a mission: two messages in either order, or
+//! repeated, make the same knowledge.
 
 use std::sync::Arc;
 
@@ -16,11 +16,11 @@ use super::Swarm;
 use super::faulty::Faulty;
 use crate::geometry::difference_m2;
 
-/// How far rounding may take sets apart, m².
+/// The difference that rounding may make, m².
 const ROUNDING_M2: f64 = 1e-3;
 
-/// Takes one agent in every third step, in turn, and merges the first two things it heard in both
-/// orders, and one of them again. Tells how many pairs were merged.
+/// In every third step, takes one agent after the other and merges the first two messages it received
+/// in both orders, and one of them again. Returns how many pairs were merged.
 pub fn check(engine: &Swarm, trace: &StepTrace<Faulty>) -> Result<u64, String> {
     if !trace.step.0.is_multiple_of(3) {
         return Ok(0);
@@ -75,8 +75,8 @@ fn compare(a: &Knowledge, b: &Knowledge) -> Result<(), String> {
     if a.hidden != b.hidden {
         return Err("what is hidden differs".into());
     }
-    // The margin is simplified whenever it grows: not the same, but much the same, and what it
-    // leaves of other sets differs by as much.
+    // The margin is simplified whenever it grows, so its result depends a little on the order, and so
+    // do the sets from which it is subtracted.
     let allowed_m2 = ROUNDING_M2 + difference_m2(a.margin.region(), b.margin.region());
     let sets = a.targets.values().zip(b.targets.values()).chain([(&a.unexplored, &b.unexplored)]);
     for (a, b) in sets {

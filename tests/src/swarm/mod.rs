@@ -1,15 +1,15 @@
 //! The soundness swarm: from one seed a small world, a fleet, links with any mixture of faults,
-//! crashes and restarts; at every step all that must hold is checked. Then a core of the fleet is
-//! healed, the rest stays broken, and the core has to agree within a bound.
+//! crashes and restarts; at every step all laws are checked. Then the links within a core of the
+//! fleet become perfect, all others stay broken, and the core has to agree within a bound.
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`draw`] | seed to scenario |
-//! | [`faulty`] | agents whose clocks go ahead and whose frames get lost |
-//! | `laws` | what must hold at every step |
-//! | `claims` | that agents claim to hold only what they were told |
-//! | `merge` | the laws of merging, on what the agents really know and hear |
-//! | `converge` | what the core must agree on in the end |
+//! | [`draw`] | from a seed to a scenario |
+//! | [`faulty`] | agents whose clocks are ahead and which miss frames |
+//! | `laws` | the laws that hold at every step |
+//! | `claims` | agents claim to hold only facts that they received |
+//! | `merge` | the laws of merging, on the knowledge and messages of the mission |
+//! | `converge` | the agreement of the core in the end |
 
 mod claims;
 mod converge;
@@ -28,13 +28,13 @@ use draw::Draw;
 use faulty::Faulty;
 use laws::Laws;
 
-/// Steps in which the links may get rid of what was said before the core was healed.
+/// Steps in which messages in flight may arrive after the core was healed.
 const DRAIN_STEPS: u32 = 40;
 
-/// A mission of the swarm under way.
+/// A running mission of the swarm.
 pub(crate) type Swarm = Engine<Faulty>;
 
-/// What a seed exercised, to see that the swarm does not test nothing.
+/// What a seed exercised, to check that the swarm tests enough.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Exercise {
     /// Missions flown.
@@ -49,17 +49,17 @@ pub struct Exercise {
     pub duplicated: u64,
     /// Messages that arrived later than the step they were sent in.
     pub late: u64,
-    /// Lives that ended.
+    /// Incarnations that ended.
     pub crashes: u64,
     /// Targets identified, summed over agents.
     pub identified: u64,
-    /// Messages of lives that were over.
+    /// Messages of incarnations that were over.
     pub stale: u64,
     /// Pairs of messages merged in both orders.
     pub merged: u64,
     /// Cores that had to agree, and did.
     pub converged: u64,
-    /// Those of them that said snapshots, so that their sets had to agree, too.
+    /// Those of them that sent snapshots, so that their sets had to agree as well.
     pub precise: u64,
     /// Frames that agents missed.
     pub missed: u64,
@@ -101,7 +101,8 @@ impl Exercise {
 /// Flies the mission of a seed.
 ///
 /// # Errors
-/// The first law that did not hold, with the step and the values; panics of agents are such, too.
+/// The first law that did not hold, with the step and the values; a panic of an agent is an error as
+/// well.
 pub fn fly(seed: u64) -> Result<Exercise, String> {
     let draw = Draw::new(seed);
     catch_unwind(AssertUnwindSafe(|| fly_drawn(&draw))).unwrap_or_else(|panic| {
@@ -124,7 +125,7 @@ fn fly_drawn(draw: &Draw) -> Result<Exercise, String> {
         fly(&mut engine)?;
     }
     engine.reconfigure_links(&draw.healed);
-    // What was said before may still arrive and be news to one of the core.
+    // Earlier messages may still arrive and be new to an agent of the core.
     let mut drained = 0..DRAIN_STEPS;
     while engine.counters().in_flight > 0 && drained.next().is_some() {
         fly(&mut engine)?;

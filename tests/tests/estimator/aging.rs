@@ -1,4 +1,4 @@
-//! A fact that comes late: with its age it is harmless, without it would break the guarantee.
+//! Late facts: with their age they keep the guarantee, without it they would break it.
 
 use csat_agent::agent::SetMembershipAgent;
 use csat_agent::config::AgentConfig;
@@ -47,7 +47,7 @@ fn fact(config: &AgentConfig, clear_ground: Region, targets: Vec<TargetFact>) ->
     }
 }
 
-fn letter(config: &AgentConfig, step: Step, message: &Message) -> Vec<u8> {
+fn packet(config: &AgentConfig, step: Step, message: &Message) -> Vec<u8> {
     Envelope {
         run: config.run,
         src: AgentId(1),
@@ -62,7 +62,7 @@ fn letter(config: &AgentConfig, step: Step, message: &Message) -> Vec<u8> {
     .encode()
 }
 
-/// UAV 0, blind, at step 20, after a letter.
+/// UAV 0 without a view at step 20, after a packet.
 fn told(config: &AgentConfig, bytes: &[u8]) -> SetMembershipAgent {
     let mut agent = SetMembershipAgent::new(config);
     let now = SimTime::from_seconds(f64::from(NOW.0) * config.period_s);
@@ -77,25 +77,25 @@ fn admits(agent: &SetMembershipAgent, target: TargetId, p: Point) -> bool {
     agent.knowledge().set_of(target).region().distance_m(p) <= 1e-3
 }
 
-/// A target at the edge of what UAV 1 saw clear at step 0 drives into it for 10 s.
+/// A target at the border of the clear ground of UAV 1 at step 0 drives into it for 10 s.
 #[test]
 fn clear_ground_seen_long_ago_may_be_occupied_now() {
     let config = config();
     let (seen_clear, j) = (square([0.0, 0.0], 30.0), TargetId(5));
     let now_at = [-30.01 + V_MAX_M_S * 10.0, 0.0];
     let old = fact(&config, seen_clear.clone(), Vec::new());
-    let honest = told(&config, &letter(&config, Step(0), &Message::Fact(old.clone())));
+    let honest = told(&config, &packet(&config, Step(0), &Message::Fact(old.clone())));
     assert!(admits(&honest, j, now_at));
-    // What nobody can have reached is still excluded: the fact was worth something.
+    // Ground that no target can have reached is still excluded: the fact is useful.
     assert!(!admits(&honest, j, [-30.01 + V_MAX_M_S * 10.0 + 0.5, 0.0]));
     assert!(!admits(&honest, j, [0.0, 0.0]));
-    // The same fact without its age rules the target out: this test can fail.
+    // The same fact without its age excludes the target: this test can fail.
     let ageless = Fact { step: NOW, ..old };
-    let fooled = told(&config, &letter(&config, NOW, &Message::Fact(ageless)));
+    let fooled = told(&config, &packet(&config, NOW, &Message::Fact(ageless)));
     assert!(!admits(&fooled, j, now_at));
 }
 
-/// A target seen at step 0 drives on; another comes closer than r_s^tt to where it was.
+/// A target seen at step 0 drives on; another one comes within r_s^tt of its old location.
 #[test]
 fn a_detection_of_long_ago_confines_nobody_now() {
     let config = config();
@@ -106,17 +106,17 @@ fn a_detection_of_long_ago_confines_nobody_now() {
         exclusion: square([0.0, 0.0], 12.0),
     }];
     let old = fact(&config, EMPTY, targets);
-    let honest = told(&config, &letter(&config, Step(0), &Message::Fact(old.clone())));
+    let honest = told(&config, &packet(&config, Step(0), &Message::Fact(old.clone())));
     let (seen_at, other_at) = ([2.9 + 10.0, 0.0], [12.1 - 10.0, 0.0]);
     assert!(admits(&honest, seen, seen_at) && admits(&honest, other, other_at));
     assert!(!admits(&honest, seen, [3.0 + 10.8, 0.0]), "the set grew by what a target can drive");
     assert!(!admits(&honest, other, [0.0, 0.0]), "the middle of the exclusion is still excluded");
-    let fooled = told(&config, &letter(&config, NOW, &Message::Fact(Fact { step: NOW, ..old })));
+    let fooled = told(&config, &packet(&config, NOW, &Message::Fact(Fact { step: NOW, ..old })));
     assert!(!admits(&fooled, seen, seen_at) && !admits(&fooled, other, other_at));
 }
 
-/// The same for a snapshot, and for a target that only the sender knows of. What was known is as old
-/// as it says itself, however new the frame that came with it.
+/// The same for a snapshot, and for a target that only the sender has identified. The age of its
+/// knowledge is that of its own step, not that of the frame in the same message.
 #[test]
 fn a_snapshot_of_long_ago_is_grown() {
     let config = config();
@@ -129,17 +129,17 @@ fn a_snapshot_of_long_ago_is_grown() {
         };
         let fact = Fact { step: frame, ..fact(&config, EMPTY, Vec::new()) };
         let message = Message::Snapshot(Box::new(Snapshot { fact, known }));
-        told(&config, &letter(&config, frame, &message))
+        told(&config, &packet(&config, frame, &message))
     };
     let (known_at, unknown_at) = ([23.0 + 9.9, 20.0], [-10.0 + 9.9, -20.0]);
     for honest in [snapshot(Step(0), Step(0)), snapshot(NOW, Step(0))] {
         assert!(admits(&honest, TargetId(1), known_at) && admits(&honest, TargetId(9), unknown_at));
         let swapped = [(TargetId(1), unknown_at), (TargetId(9), known_at)];
         assert!(swapped.iter().all(|&(j, p)| !admits(&honest, j, p)));
-        // Grown, but not by more than a target can drive.
+        // The set grew by no more than a target can drive.
         assert!(!admits(&honest, TargetId(1), [23.0 + 10.8, 20.0]));
     }
-    // The same without its age rules the targets out: this test can fail.
+    // The same without its age excludes the targets: this test can fail.
     let fooled = snapshot(NOW, Step(NOW.0 - 1));
     assert!(!admits(&fooled, TargetId(1), known_at) && !admits(&fooled, TargetId(9), unknown_at));
 }

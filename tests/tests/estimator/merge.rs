@@ -1,4 +1,4 @@
-//! The laws of merging: order and repeats change nothing, lateness never breaks the guarantee.
+//! The laws of merging: order and repeats change nothing, and delays never break the guarantee.
 
 use csat_agent::agent::SetMembershipAgent;
 use csat_agent::config::ExchangeMode;
@@ -10,7 +10,7 @@ use csat_tests::flight::Flight;
 use csat_tests::geometry::difference_m2;
 use csat_tests::hears::Hears;
 use csat_tests::missions::small;
-use csat_tests::pair::Letter;
+use csat_tests::pair::Packet;
 use csat_tests::replay::{for_seeds, is_replay};
 use csat_tests::scenes::blind;
 use csat_tests::truth;
@@ -21,30 +21,30 @@ use rand_chacha::ChaCha8Rng;
 /// The steps whose messages are merged: ages 0 to 20.
 const STEPS: u32 = 20;
 
-/// Around the town, each starting elsewhere.
+/// A script around the town, each UAV from a different start.
 pub fn rounds(step: u32, agent: u16) -> f64 {
     f64::from(step / 6) * 0.45 + f64::from(agent) * 0.7 - 1.0
 }
 
-/// A flight whose facts and snapshots are kept, at its last step, and the letters to UAV 0.
-fn recorded(seed: u64, simplify_margin_m: f64) -> (Flight, Vec<Letter>) {
+/// A flight at its last step, and the facts and snapshots to UAV 0.
+fn recorded(seed: u64, simplify_margin_m: f64) -> (Flight, Vec<Packet>) {
     let mut scenario = small(seed, 140.0, 3);
     scenario.exchange.mode = ExchangeMode::FactsRepair;
     scenario.exchange.snapshot_period_s = 3.0;
     scenario.estimator.simplify_margin_m = simplify_margin_m;
     scenario.agents.start_offset_m = 0.0;
     let mut flight = Flight::scripted(&scenario, rounds);
-    flight.pair.keep_letters();
+    flight.pair.keep_packets();
     for _ in 0..=STEPS {
         flight.step();
     }
-    let mut letters = std::mem::take(&mut flight.pair.letters);
-    letters.retain(|letter| letter.dst == AgentId(0));
-    (flight, letters)
+    let mut packets = std::mem::take(&mut flight.pair.packets);
+    packets.retain(|packet| packet.dst == AgentId(0));
+    (flight, packets)
 }
 
-/// UAV 0 after its own frames were lost, with everything grown to the last step, about to read its
-/// mail: what is heard apart from a frame is not predicted any more.
+/// UAV 0 after its own frames were lost, with all sets grown to the last step, before it receives the
+/// packets: facts that arrive without a frame are not predicted any more.
 fn unread(flight: &Flight) -> SetMembershipAgent {
     let mut config = flight.pair.agent(0).config().clone();
     config.incarnation = Incarnation(1);
@@ -55,21 +55,21 @@ fn unread(flight: &Flight) -> SetMembershipAgent {
     agent
 }
 
-/// Reads letters at once, in chunks that are applied one after the other.
+/// Receives packets in chunks; each chunk is applied at once.
 fn read<'a>(
     mut agent: SetMembershipAgent,
     time: SimTime,
-    letters: impl IntoIterator<Item = &'a Letter>,
+    packets: impl IntoIterator<Item = &'a Packet>,
     chunk: usize,
 ) -> SetMembershipAgent {
-    let letters: Vec<_> = letters.into_iter().collect();
-    for chunk in letters.chunks(chunk) {
-        for letter in chunk {
-            agent.hear(time, &letter.bytes);
+    let packets: Vec<_> = packets.into_iter().collect();
+    for chunk in packets.chunks(chunk) {
+        for packet in chunk {
+            agent.hear(time, &packet.bytes);
         }
         agent.handle_timeout(time);
     }
-    // Rejected plans do not matter here; facts and snapshots must all be read.
+    // Rejected plans do not matter here; all facts and snapshots must be believed.
     assert!(agent.rejected().keys().all(|reason| *reason == "plan"), "{:?}", agent.rejected());
     agent
 }
@@ -87,10 +87,10 @@ fn apart_m2(a: &Knowledge, b: &Knowledge) -> [f64; 2] {
     ]
 }
 
-/// Letters in another order, some twice.
-fn mixed<'a>(letters: &'a [Letter], rng: &mut ChaCha8Rng) -> Vec<&'a Letter> {
-    let mut mixed: Vec<&Letter> = letters.iter().collect();
-    mixed.extend(letters.iter().filter(|_| rng.random_bool(0.4)));
+/// Packets in another order, some twice.
+fn mixed<'a>(packets: &'a [Packet], rng: &mut ChaCha8Rng) -> Vec<&'a Packet> {
+    let mut mixed: Vec<&Packet> = packets.iter().collect();
+    mixed.extend(packets.iter().filter(|_| rng.random_bool(0.4)));
     mixed.shuffle(rng);
     mixed
 }
@@ -101,16 +101,16 @@ fn order_and_repeats_of_what_is_equally_old_change_nothing() {
     let (mut targets, mut known_m2) = (0, 0.0);
     let name = ["estimator", "order_and_repeats_of_what_is_equally_old_change_nothing"];
     for_seeds(name, 0..8, |seed| {
-        // Margins that are simplified whenever they grow depend on how they grew: see below.
-        let (flight, letters) = recorded(seed, 0.0);
+        // Margins that are simplified whenever they grow depend on the order: see below.
+        let (flight, packets) = recorded(seed, 0.0);
         let time = flight.pair.time;
-        let expected = read(unread(&flight), time, &letters, letters.len());
+        let expected = read(unread(&flight), time, &packets, packets.len());
         targets += expected.knowledge().targets.len();
         let whole_m2 = expected.knowledge().ground().area_m2();
         known_m2 += whole_m2 - expected.knowledge().unexplored.region().area_m2();
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         for chunk in [1, 7] {
-            let got = read(unread(&flight), time, mixed(&letters, &mut rng), chunk);
+            let got = read(unread(&flight), time, mixed(&packets, &mut rng), chunk);
             let [sets_m2, margins_m2] = apart_m2(got.knowledge(), expected.knowledge());
             assert!(sets_m2 < 1e-3, "{sets_m2} m² apart in chunks of {chunk}");
             assert!(margins_m2 < 1e-3, "margins {margins_m2} m² apart in chunks of {chunk}");
@@ -123,24 +123,24 @@ fn order_and_repeats_of_what_is_equally_old_change_nothing() {
     assert!(is_replay() || (targets > 5 && known_m2 > 1000.0));
 }
 
-/// Applied in one update, the order of arrival and repeats do not change a bit; one after the other,
-/// simplified margins come out a little different, and with them the sets.
+/// In one update, the order of arrival and repeats do not change a bit. In several updates simplified
+/// margins differ a little, and so do the sets.
 #[test]
 fn order_and_repeats_do_not_change_a_bit_of_one_update() {
     let (mut worst, mut worst_margin) = (0.0f64, 0.0f64);
     let name = ["estimator", "order_and_repeats_do_not_change_a_bit_of_one_update"];
     for_seeds(name, 0..8, |seed| {
-        let (flight, letters) = recorded(seed, 0.5);
+        let (flight, packets) = recorded(seed, 0.5);
         let time = flight.pair.time;
-        let expected = read(unread(&flight), time, &letters, letters.len());
+        let expected = read(unread(&flight), time, &packets, packets.len());
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         for _ in 0..3 {
-            let mixed = mixed(&letters, &mut rng);
+            let mixed = mixed(&packets, &mut rng);
             let all = mixed.len();
             let got = read(unread(&flight), time, mixed, all);
             assert_eq!(got.digest(), expected.digest());
         }
-        let got = read(unread(&flight), time, mixed(&letters, &mut rng), 1);
+        let got = read(unread(&flight), time, mixed(&packets, &mut rng), 1);
         let [sets_m2, margins_m2] = apart_m2(got.knowledge(), expected.knowledge());
         worst = worst.max(sets_m2 / expected.knowledge().ground().area_m2());
         worst_margin =

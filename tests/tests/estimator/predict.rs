@@ -1,4 +1,4 @@
-//! Prediction (4.24)-(4.27): wherever a target can get to, and hardly farther.
+//! Prediction (4.24)-(4.27): sets contain all that a target can reach, and little more.
 
 use csat_agent::agent::SetMembershipAgent;
 use csat_proto::agent::Agent;
@@ -14,12 +14,12 @@ use rand_chacha::ChaCha8Rng;
 
 const STEPS: u32 = 30;
 
-/// Somebody who could be the target.
+/// A possible path of a target.
 struct Walker {
-    /// Whose set it must stay in: an index into the sets at the start.
+    /// The set that it must stay in: an index into the sets at the start.
     set: usize,
     at: Point,
-    /// `Some`: straight on at full speed, the hardest to contain.
+    /// `Some`: straight on at full speed, which is hardest to contain.
     heading_rad: Option<f64>,
 }
 
@@ -47,7 +47,7 @@ fn sets(agent: &SetMembershipAgent) -> Vec<Region> {
 fn walkers(sets: &[Region], rng: &mut ChaCha8Rng) -> Vec<Walker> {
     let mut walkers = Vec::new();
     for (set, region) in sets.iter().enumerate() {
-        // Corners are the places that a dilation gets wrong first.
+        // A wrong dilation fails at corners first.
         let corners = region.rings().flatten().map(|&p| metres(p)).step_by(3).take(20);
         for at in points_in(region, 15, rng).into_iter().chain(corners) {
             let heading_rad = rng.random_bool(0.7).then(|| rng.random_range(0.0..6.3));
@@ -57,7 +57,7 @@ fn walkers(sets: &[Region], rng: &mut ChaCha8Rng) -> Vec<Walker> {
     walkers
 }
 
-/// An agent after one real frame, and what it knows then.
+/// An agent after one real frame, and its knowledge.
 struct Start {
     agent: SetMembershipAgent,
     sets: Vec<Region>,
@@ -72,7 +72,7 @@ impl Start {
         Self { sets: sets(&agent), agent }
     }
 
-    /// The sets after one more step without news.
+    /// The sets after one more step without evidence.
     fn predict(&mut self, case: &Case, step: u32) -> Vec<Region> {
         let time = SimTime::from_seconds(f64::from(step) * case.config.period_s);
         self.agent.handle_frame(time, &blind(&case.config.camera, Step(step), case.pose));
@@ -111,7 +111,7 @@ fn a_prediction_contains_whatever_can_be_reached() {
                 walked += 1;
             }
         }
-        // Who left where the sets were at the start is held by prediction alone.
+        // Walkers that left the sets of the start are contained only because of the prediction.
         escapees += walkers.iter().filter(|w| !start.sets[w.set].contains(w.at)).count();
     });
     println!("{walked} steps walked, {escapees} escapees");
@@ -141,7 +141,7 @@ fn a_prediction_hardly_reaches_farther_than_a_target() {
         }
         let n = f64::from(case.config.estimator.disc_vertices);
         let step_m = reach_m(&case) / (std::f64::consts::PI / n).cos() + 1.2e-4;
-        // Slivers of up to a millimetre are always simplified away.
+        // Details of up to a millimetre are always simplified.
         let limit_m = f64::from(STEPS) * (step_m + 1e-3);
         for (before, after) in exact.sets.iter().zip(&sets(&exact.agent)) {
             let beyond_m = reach_beyond_m(before, after);
@@ -150,7 +150,7 @@ fn a_prediction_hardly_reaches_farther_than_a_target() {
             corners[0] += after.vertex_count();
         }
         for (before, after) in simple.sets.iter().zip(&sets(&simple.agent)) {
-            // Each simplification may shift a corner once more.
+            // Each simplification may shift a corner.
             let excess_m = reach_beyond_m(before, after) - limit_m;
             assert!(excess_m <= f64::from(STEPS) * 0.15, "{excess_m} m");
             worst_m = worst_m.max(excess_m);
@@ -166,7 +166,8 @@ fn a_prediction_hardly_reaches_farther_than_a_target() {
     assert!(is_replay() || more_pct < 3.0, "{more_pct} %");
 }
 
-/// What a frame shows is of its own step; taken for the present, an old one would disprove too much.
+/// A frame proves something about its own step; an old frame taken for a current one would exclude
+/// too much.
 #[test]
 fn a_frame_of_no_later_step_is_refused() {
     let case = case(2);

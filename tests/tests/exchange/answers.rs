@@ -1,4 +1,4 @@
-//! Who joins late asks, and knows as much as whoever answers.
+//! An agent that joins late asks, and then knows as much as the agent that answers.
 
 use csat_agent::config::ExchangeMode;
 use csat_proto::agent::Agent;
@@ -9,8 +9,8 @@ use csat_tests::hears::Hears;
 use csat_tests::missions::small;
 use csat_tests::replay::for_seeds;
 
-/// How far sets may be apart that grew from the same ones, as a share of the ground: simplifications
-/// go different ways.
+/// The allowed difference of sets that grew from equal ones with different simplifications, as a
+/// share of the ground.
 const SHARE: f64 = 0.001;
 
 /// Two UAVs after 30 steps, the second of which has just been restarted and seen one frame.
@@ -26,7 +26,7 @@ fn restarted(seed: u64, mode: ExchangeMode) -> Flight {
     flight
 }
 
-/// How much less ground the first one holds for unexplored than the second one, m².
+/// The difference of the unexplored areas of the second and the first UAV, m².
 fn lead_m2(flight: &Flight) -> f64 {
     let area_m2 = |i: usize| flight.pair.agent(i).knowledge().unexplored.region().area_m2();
     area_m2(1) - area_m2(0)
@@ -74,20 +74,20 @@ fn late_answers_are_grown_by_their_age() {
     });
 }
 
-/// An answer is numbered as the fact before it, and tells something else.
+/// An answer has the number of the fact before it, and other contents.
 #[test]
 fn an_answer_and_the_snapshot_of_its_number_are_both_heard() {
     let mut flight = restarted(1, ExchangeMode::Snapshot);
     flight.pair.filter = csat_tests::pair::silence();
-    flight.pair.keep_letters();
+    flight.pair.keep_packets();
     flight.step();
     let now = flight.pair.time;
     let answer = flight.pair.agents[0].answer(now).unwrap().bytes;
-    let said = flight.pair.letters.iter().find(|l| l.src == AgentId(0) && l.sent == now);
+    let said = flight.pair.packets.iter().find(|l| l.src == AgentId(0) && l.sent == now);
     let snapshot = said.expect("it says a snapshot at every step").bytes.clone();
-    let hearing = |letters: &[&[u8]]| {
+    let hearing = |packets: &[&[u8]]| {
         let mut agent = flight.pair.agents[1].clone();
-        letters.iter().for_each(|bytes| agent.hear(now, bytes));
+        packets.iter().for_each(|bytes| agent.hear(now, bytes));
         agent.handle_timeout(now);
         agent.digest()
     };

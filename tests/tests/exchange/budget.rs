@@ -1,4 +1,4 @@
-//! A budget of bytes is kept, at the cost of looser sets only.
+//! Agents keep their budget of bytes; only their sets are less precise.
 
 use std::collections::BTreeMap;
 
@@ -10,14 +10,14 @@ use csat_proto::time::SimTime;
 use csat_tests::flight::Flight;
 use csat_tests::hears::Hears;
 use csat_tests::missions::small;
-use csat_tests::pair::Letter;
+use csat_tests::pair::Packet;
 
-use super::letters::{body, script};
+use super::packets::{body, script};
 
 const STEPS: u32 = 60;
 
 struct Flown {
-    /// Per agent: time in seconds and bytes of each message but plans.
+    /// Per agent: time in seconds and bytes of each message except plans.
     said: BTreeMap<AgentId, Vec<(f64, f64)>>,
     unexplored_m2: f64,
     identified: usize,
@@ -31,7 +31,7 @@ fn fly(mode: ExchangeMode, budget_bytes_s: f64) -> Flown {
     scenario.exchange.budget_bytes_s = budget_bytes_s;
     scenario.agents.start_offset_m = 0.0;
     let mut flight = Flight::scripted(&scenario, script);
-    flight.pair.keep_letters();
+    flight.pair.keep_packets();
     let mut unexplored_m2 = 0.0;
     for _ in 0..STEPS {
         flight.step();
@@ -41,11 +41,11 @@ fn fly(mode: ExchangeMode, budget_bytes_s: f64) -> Flown {
         unexplored_m2 += knowledge.map(|k| k.unexplored.region().area_m2()).sum::<f64>();
     }
     let known = flight.pair.agents.iter().map(|agent| agent.knowledge().targets.len());
-    let letters = &flight.pair.letters;
-    let snapshots = letters.iter().filter(|l| matches!(body(l), Message::Snapshot(_))).count();
-    let facts = letters.iter().filter(|l| matches!(body(l), Message::Fact(_))).count();
+    let packets = &flight.pair.packets;
+    let snapshots = packets.iter().filter(|l| matches!(body(l), Message::Snapshot(_))).count();
+    let facts = packets.iter().filter(|l| matches!(body(l), Message::Fact(_))).count();
     Flown {
-        said: said(letters),
+        said: said(packets),
         facts: facts / 2,
         snapshots: snapshots / 2,
         unexplored_m2: unexplored_m2 / f64::from(3 * STEPS),
@@ -53,20 +53,20 @@ fn fly(mode: ExchangeMode, budget_bytes_s: f64) -> Flown {
     }
 }
 
-fn said(letters: &[Letter]) -> BTreeMap<AgentId, Vec<(f64, f64)>> {
+fn said(packets: &[Packet]) -> BTreeMap<AgentId, Vec<(f64, f64)>> {
     let mut said: BTreeMap<_, Vec<_>> = BTreeMap::new();
-    // A letter to each of the others is one message.
-    let first = |letter: &&Letter| letter.dst == AgentId(if letter.src.0 == 0 { 1 } else { 0 });
-    for letter in letters.iter().filter(first) {
-        if !matches!(body(letter), Message::Plan(_)) {
-            let entry = (letter.sent.seconds(), letter.bytes.len() as f64);
-            said.entry(letter.src).or_default().push(entry);
+    // The packets to all other agents are one message.
+    let first = |packet: &&Packet| packet.dst == AgentId(if packet.src.0 == 0 { 1 } else { 0 });
+    for packet in packets.iter().filter(first) {
+        if !matches!(body(packet), Message::Plan(_)) {
+            let entry = (packet.sent.seconds(), packet.bytes.len() as f64);
+            said.entry(packet.src).or_default().push(entry);
         }
     }
     said
 }
 
-/// In no window of time more than the budget and what was saved up in a snapshot period.
+/// In no window of time more than the budget and the credit of a snapshot period.
 fn check_budget(said: &[(f64, f64)], budget_bytes_s: f64, burst_s: f64, period_s: f64) {
     for (i, (from, _)) in said.iter().enumerate() {
         let mut bytes = 0.0;
@@ -74,7 +74,7 @@ fn check_budget(said: &[(f64, f64)], budget_bytes_s: f64, burst_s: f64, period_s
             bytes += more;
             let allowed = budget_bytes_s * (until - from + burst_s);
             assert!(bytes <= allowed, "{bytes} bytes from {from} s to {until} s");
-            // Nothing is saved up before the start.
+            // There is no credit before the start.
             let since_start = budget_bytes_s * (until + period_s);
             assert!(bytes <= since_start, "{bytes} bytes until {until} s");
         }
@@ -107,7 +107,7 @@ fn a_budget_is_kept_and_costs_only_looseness() {
             if mode == ExchangeMode::FactsRepair {
                 assert!(tight.facts > 3 * STEPS as usize / 4, "{} facts", tight.facts);
             }
-            // Borders are simplified one way or another: a little more may be known by chance.
+            // Simplifications of borders differ: with less budget a little more may be known by chance.
             assert!(tight.unexplored_m2 > 0.999 * last_m2, "{mode:?}: less said, more known");
             last_m2 = tight.unexplored_m2;
         }
@@ -116,7 +116,7 @@ fn a_budget_is_kept_and_costs_only_looseness() {
     }
 }
 
-/// What others would not accept is made shorter, in answers too.
+/// Messages with more vertices than receivers accept are simplified, answers as well.
 #[test]
 fn no_more_vertices_are_said_than_are_accepted() {
     let mut scenario = small(5, 140.0, 2);
@@ -138,19 +138,19 @@ fn no_more_vertices_are_said_than_are_accepted() {
     assert!(unexplored > 120, "{unexplored} vertices would have been accepted");
 }
 
-/// Plans are said whatever the budget: they come first.
+/// Plans are sent even without credit: they come first.
 #[test]
 fn plans_are_said_without_a_budget() {
     let mut scenario = small(5, 140.0, 2);
     scenario.exchange.budget_bytes_s = 1.0;
     let mut flight = Flight::new(&scenario);
-    flight.pair.keep_letters();
+    flight.pair.keep_packets();
     for _ in 0..14 {
         flight.step();
         flight.check_guarantee();
     }
-    assert!(said(&flight.pair.letters).is_empty(), "no fact fits into a byte per second");
-    let plans = flight.pair.letters.iter().filter(|l| matches!(body(l), Message::Plan(_))).count();
+    assert!(said(&flight.pair.packets).is_empty(), "no fact fits into a byte per second");
+    let plans = flight.pair.packets.iter().filter(|l| matches!(body(l), Message::Plan(_))).count();
     assert_eq!(plans, 2 * 2 * 3, "two passes of two UAVs at steps 0, 6 and 12");
     assert!(flight.pair.time > SimTime(0));
 }

@@ -1,14 +1,14 @@
-//! Knowledge goes from hand to hand: UAV 0 hears UAV 1, which hears UAV 2, which UAV 0 never hears.
+//! Knowledge is relayed: UAV 0 hears UAV 1, UAV 1 hears UAV 2, and UAV 0 never hears UAV 2.
 
 use csat_agent::agent::Event;
 use csat_agent::config::ExchangeMode;
 use csat_proto::ids::{AgentId, TargetId};
 use csat_tests::flight::Flight;
 use csat_tests::missions::small;
-use csat_tests::pair::Letter;
+use csat_tests::pair::Packet;
 use csat_tests::replay::{for_seeds, is_replay};
 
-/// UAV 2 looks another way than the two others.
+/// UAV 2 looks in another direction than the two others.
 fn script(step: u32, agent: u16) -> f64 {
     f64::from(step / 6) * 0.3 + if agent == 2 { 2.5 } else { 0.2 * f64::from(agent) }
 }
@@ -20,14 +20,14 @@ fn flight(seed: u64, mode: ExchangeMode) -> Flight {
     let mut flight = Flight::scripted(&scenario, script);
     flight.pair.filter =
         Box::new(
-            |letter: &Letter| {
-                if letter.src.0.abs_diff(letter.dst.0) == 1 { vec![0.0] } else { vec![] }
+            |packet: &Packet| {
+                if packet.src.0.abs_diff(packet.dst.0) == 1 { vec![0.0] } else { vec![] }
             },
         );
     flight
 }
 
-/// Flies; targets that UAV 2 saw and neither of the others did, with the step.
+/// Flies, and returns the targets that only UAV 2 saw.
 fn fly(flight: &mut Flight) -> Vec<TargetId> {
     let mut seen = [const { Vec::new() }; 3];
     for _ in 0..50 {
@@ -68,7 +68,7 @@ fn what_only_the_far_one_saw_gets_through() {
         }
         let [without, with] = [without, with].map(|k| k.unexplored.region().area_m2());
         more_m2.push(without - with);
-        // The map goes block by block.
+        // The map is repaired block by block.
         let known = |f: &Flight| f.pair.agent(0).knowledge().oem.known().count();
         assert!(known(&far) > known(&near), "{} {}", known(&far), known(&near));
     });

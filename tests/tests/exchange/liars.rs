@@ -1,4 +1,4 @@
-//! Messages that are believed, as nothing in them is impossible, and still do no harm.
+//! False messages that are believed, because nothing in them is impossible, and that do no harm.
 
 use csat_agent::agent::SetMembershipAgent;
 use csat_agent::config::{AgentConfig, ExchangeMode};
@@ -16,7 +16,7 @@ use csat_tests::hears::Hears;
 
 use super::spoiling::{Bench, ring};
 
-/// The receiver with the default way to talk.
+/// The receiver with the default exchange.
 fn talking(bench: &Bench) -> SetMembershipAgent {
     let mut config: AgentConfig = bench.agent.config().clone();
     config.exchange.mode = ExchangeMode::FactsRepair;
@@ -25,7 +25,7 @@ fn talking(bench: &Bench) -> SetMembershipAgent {
     agent
 }
 
-/// A blind frame of a step, and everything said after it.
+/// Handles a blind frame of a step, and returns the messages after it.
 fn fly(agent: &mut SetMembershipAgent, step: Step) -> Vec<Envelope> {
     let config = agent.config().clone();
     let now = SimTime::from_seconds(f64::from(step.0) * config.period_s);
@@ -36,8 +36,8 @@ fn fly(agent: &mut SetMembershipAgent, step: Step) -> Vec<Envelope> {
     said.map(|transmit| Envelope::decode(&transmit.bytes).expect("its own")).collect()
 }
 
-/// Who claims to hold any number of facts of any number of lives silences nobody: a digest of too
-/// many lives would not be believed.
+/// A sender that claims to hold any number of facts of any number of incarnations does not silence
+/// the receiver: a digest of too many incarnations would not be believed.
 #[test]
 fn claims_of_many_lives_do_not_silence_whoever_hears_them() {
     let bench = Bench::new();
@@ -67,7 +67,7 @@ fn claims_of_many_lives_do_not_silence_whoever_hears_them() {
     }
 }
 
-/// The greatest numbers there are, where others are added to them.
+/// The greatest numbers, in fields to which numbers are added.
 #[test]
 fn the_greatest_numbers_are_no_trap() {
     let bench = Bench::new();
@@ -92,7 +92,7 @@ fn the_greatest_numbers_are_no_trap() {
     }
 }
 
-/// A few bytes that ask for a raster of a row per cell, each as wide as a word.
+/// A few bytes that claim a raster with one cell per row, each row as large as a word.
 #[test]
 fn a_narrow_raster_takes_no_more_memory_than_it_has_cells() {
     let bytes = |columns, rows| {
@@ -106,7 +106,7 @@ fn a_narrow_raster_takes_no_more_memory_than_it_has_cells() {
     assert!(!read(1, 1 << 24) && !read(1 << 24, 2));
 }
 
-/// Very many small squares seen long ago, all of which could have moved over each other.
+/// Very many small old squares, which all overlap when they grow by their age.
 fn dust(n: u32, side_m: f64) -> Region {
     let step = side_m / f64::from(n);
     let square = |k: u32| {

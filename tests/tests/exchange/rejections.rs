@@ -1,4 +1,4 @@
-//! Everything that is not believed is dropped, counted by reason, reported once, and changes nothing.
+//! Messages that are not believed are dropped, counted by reason, reported once, and change nothing.
 
 use csat_agent::agent::{DropReason, Event, SetMembershipAgent};
 use csat_agent::exchange::validate::Rejection;
@@ -15,10 +15,10 @@ use csat_tests::hears::Hears;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::letters::{digest, unread_fact};
+use super::packets::{digest, unread_fact};
 use super::spoiling::{Bench, ring, shape, square};
 
-/// Does not compile when a reason is added that is not tried below.
+/// Does not compile when a reason is added that no test below covers.
 fn every_reason(reason: &DropReason) {
     let rejection = match reason {
         DropReason::Message(rejection) => rejection,
@@ -147,7 +147,7 @@ fn sets_that_cannot_be_are_rejected() {
     bench.expect("crossing", &bench.known(|k| k.unexplored = shape(&[eight])));
     let poking: &[Point] = &[[-3.0, -3.0], [0.0, 12.0], [3.0, -3.0]];
     bench.expect("crossing", &bench.fact(|f| f.clear_ground = shape(&[outer, poking])));
-    // Two shapes, each fine on its own.
+    // Two shapes, each valid on its own.
     let beside = Region::from_shapes(vec![
         vec![ring(outer)],
         vec![ring(&[[0.0, 0.0], [20.0, 1.0], [20.0, 2.0]])],
@@ -155,11 +155,11 @@ fn sets_that_cannot_be_are_rejected() {
     bench.expect("crossing", &bench.known(|k| k.targets = vec![(TargetId(3), beside)]));
 }
 
-/// A zigzag whose edges all lie side by side: the check for crossings gives up before it costs much.
+/// A zigzag whose edges all lie side by side: the check for crossings stops early.
 #[test]
 fn a_dense_bundle_is_rejected_at_once() {
     let bench = Bench::new();
-    // The other sets of the fact count, too.
+    // The other sets of the fact count as well.
     let vertices = bench.agent.config().exchange.max_vertices - 1000;
     let side_m = bench.agent.config().ground.size_m[0];
     for slant_m in [0.0, side_m / 2.0] {
@@ -184,7 +184,7 @@ fn maps_that_cannot_be_are_rejected() {
     let mut agent = bench.agent.clone();
     agent.hear(bench.now, &bench.fact(|f| f.oem = upto(cells)));
     assert!(agent.rejected().is_empty(), "the last cell is one: {:?}", agent.rejected());
-    // Runs of gap, length, state: bytes that claim 2³³ cells, and 2⁴⁶. Walking through those would take
+    // Runs of gap, length, state: bytes that claim 2³³ and 2⁴⁶ cells. Iterating over them would take
     // days.
     let runs = vec![(u32::MAX, u32::MAX, OemCell::Empty); 1 << 13];
     for runs in [&runs[..1], &runs] {
@@ -220,17 +220,17 @@ fn digests_that_cannot_be_are_rejected() {
     }));
 }
 
-/// What is wrong is reported of each sender once.
+/// Each reason is reported once per sender.
 #[test]
 fn a_reason_is_reported_of_every_sender() {
-    let (flight, letter) = unread_fact(3);
+    let (flight, packet) = unread_fact(3);
     let mut config = flight.pair.agent(0).config().clone();
     config.fleet.count = 3;
     let mut agent = SetMembershipAgent::new(&config);
     let now = flight.pair.time;
     let mut reported = Vec::new();
     for src in [1, 2, 9, 1, 2, 8] {
-        let mut envelope = Envelope::decode(&letter.bytes).unwrap();
+        let mut envelope = Envelope::decode(&packet.bytes).unwrap();
         (envelope.src, envelope.body) = (AgentId(src), Vec::new());
         envelope.step = Step(0);
         agent.hear(now, &envelope.encode());
@@ -244,7 +244,7 @@ fn a_reason_is_reported_of_every_sender() {
     assert_eq!(agent.rejected().get("malformed"), Some(&6));
 }
 
-/// A fact of every UAV and step may wait, not more.
+/// One fact per UAV and step may wait, and no more.
 #[test]
 fn a_flood_is_not_kept() {
     let mut bench = Bench::new();
@@ -257,7 +257,7 @@ fn a_flood_is_not_kept() {
     let (kept, refused) = flood.split_at(max as usize);
     for bytes in kept {
         bench.agent.hear(bench.now, bytes);
-        // Repeats take no room.
+        // Repeats do not count.
         bench.agent.hear(bench.now, bytes);
     }
     assert!(bench.agent.rejected().is_empty(), "{:?}", bench.agent.rejected());
@@ -283,7 +283,8 @@ fn spoilt_plans_are_rejected() {
     bench.expect("plan", &bench.plan(|p| p.poses[0].p_world[1] = f64::NAN));
 }
 
-/// Bodies damaged under a correct checksum: a liar's, not a bad link's. Believed or not, no panic.
+/// Damaged bodies with a correct checksum, as a malicious sender makes them. They cause no panic,
+/// believed or not.
 #[test]
 fn nothing_in_a_body_makes_an_agent_panic() {
     let bench = Bench::new();

@@ -1,4 +1,4 @@
-//! A receiver and honest messages for it, to be spoilt.
+//! A receiver and valid messages for it, which tests change.
 
 use csat_agent::agent::{Event, SetMembershipAgent};
 use csat_proto::agent::Agent;
@@ -10,9 +10,9 @@ use csat_proto::time::{SimTime, Step};
 use csat_tests::geometry::Point;
 use csat_tests::hears::Hears;
 
-use super::letters::{body, digest, unread_fact};
+use super::packets::{body, digest, unread_fact};
 
-/// A receiver and an honest message that it has not heard.
+/// A receiver and a valid message that it has not received.
 pub struct Bench {
     pub agent: SetMembershipAgent,
     pub now: SimTime,
@@ -21,19 +21,19 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// UAV 0, having heard a second life of UAV 1, in the 10th second or later.
+    /// UAV 0 in the 10th second or later, after messages of a second incarnation of UAV 1.
     pub fn new() -> Self {
-        let (flight, letter) = unread_fact(3);
+        let (flight, packet) = unread_fact(3);
         let mut agent = flight.pair.agent(0).clone();
-        let mut envelope = Envelope::decode(&letter.bytes).unwrap();
-        let Message::Fact(mut fact) = body(&letter) else { panic!("a fact was asked for") };
+        let mut envelope = Envelope::decode(&packet.bytes).unwrap();
+        let Message::Fact(mut fact) = body(&packet) else { panic!("a fact was asked for") };
         envelope.incarnation = Incarnation(4);
         let now = flight.pair.time;
         agent.hear(now, &envelope.encode());
         agent.handle_timeout(now);
         assert!(agent.rejected().is_empty(), "{:?}", agent.rejected());
         while agent.poll_event().is_some() {}
-        // Another one, or it would be passed over as a repeat.
+        // Another number, so that it is not skipped as a repeat.
         fact.number += 1;
         envelope.body = postcard::to_stdvec(&Message::Fact(fact.clone())).unwrap();
         Self { agent, now, envelope, fact }
@@ -81,7 +81,7 @@ impl Bench {
     }
 
     /// # Panics
-    /// When a message is not rejected for that reason, or leaves a trace beyond it.
+    /// When a message is not rejected for that reason, or changes anything else.
     pub fn expect(&self, reason: &'static str, bytes: &[u8]) {
         let mut agent = self.agent.clone();
         let before = digest(&agent);
@@ -100,7 +100,7 @@ impl Bench {
     }
 
     /// # Panics
-    /// When a message is not believed, or says nothing new.
+    /// When a message is not believed, or changes nothing.
     pub fn expect_believed(&self, bytes: &[u8]) {
         let mut agent = self.agent.clone();
         agent.hear(self.now, bytes);

@@ -1,4 +1,5 @@
-//! C (4.6): the outline's homography against the pixels' quadrangles, short of the outline's inset.
+//! C (4.6): the homography of the outline against the quadrangles of the pixels, up to the inset of
+//! the outline.
 
 use csat_agent::sense::clear::clear_ground;
 use csat_agent::sense::outline::{UNITS_PER_PX, ground_outline, simplified_inward};
@@ -20,12 +21,12 @@ fn clear(case: &Case, frame: &Frame, tolerance_px: f64, bounds: &Region) -> Regi
     clear_ground(&case.config.camera.at(&case.pose), &rings, bounds).into_region()
 }
 
-/// How far inside the border of the Ground pixels the outline runs, pixels.
+/// The inset of the outline within the border of the Ground pixels, pixels.
 const INSET_PX: f64 = 1.0 / UNITS_PER_PX as f64;
 
-/// Rectangles [c0, r0, c1, r1] of the image whose signed areas make up one Ground pixel, short of
-/// the inset along its border to other pixels: the pixel without those sides, less the corners
-/// where only the diagonal neighbour is not Ground.
+/// Rectangles [c0, r0, c1, r1] of the image whose signed areas are one Ground pixel without the inset
+/// along its border to other pixels: the pixel without these sides, minus the corners where only the
+/// diagonal neighbour is not Ground.
 fn parts(frame: &Frame, model: &CameraModel, pixel: usize) -> Vec<([f64; 4], f64)> {
     let (columns, rows) = (i32::from(model.columns), i32::from(model.rows));
     let (c, r) = (pixel as i32 % columns, pixel as i32 / columns);
@@ -51,7 +52,7 @@ fn parts(frame: &Frame, model: &CameraModel, pixel: usize) -> Vec<([f64; 4], f64
     parts
 }
 
-/// Disjoint quadrangles: their areas add up, without any Boolean operation.
+/// The sum of the areas of disjoint quadrangles, without Boolean operations.
 fn quadrangles_m2(case: &Case, frame: &Frame) -> f64 {
     let model = &case.config.camera;
     let camera = Pinhole::new(model, &case.pose);
@@ -98,7 +99,7 @@ fn clear_ground_is_the_union_of_the_pixels_quadrangles() {
     assert!(is_replay() || compared > 1000);
 }
 
-/// Also clipped by the region, and without its measures: where is it?
+/// The same by points instead of areas, also where the region clips it.
 #[test]
 fn a_point_is_clear_if_its_pixel_is_ground() {
     let (mut inside, mut outside) = (0, 0);
@@ -112,7 +113,7 @@ fn a_point_is_clear_if_its_pixel_is_ground() {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         for _ in 0..300 {
             let q = [model.columns, model.rows].map(|n| rng.random_range(0.0..f64::from(n)));
-            // The outline runs that far inside, and within a hair rounding decides.
+            // Within the inset, and slightly beyond it where rounding decides.
             let near_border = q.iter().any(|x| (x - x.round()).abs() < INSET_PX + 1e-4);
             let Some(p) = camera.ground(q) else { continue };
             if near_border || !case.config.ground.contains(p) {
@@ -128,7 +129,7 @@ fn a_point_is_clear_if_its_pixel_is_ground() {
     assert!(is_replay() || (inside > 10_000 && outside > 10_000));
 }
 
-/// What cutting corners cost over many frames.
+/// The loss of area by cutting corners, over many frames.
 #[derive(Default)]
 struct Loss {
     exact_m2: f64,

@@ -41,7 +41,7 @@ fn an_intersection_of_discs_lies_between_the_inscribed_and_the_whole() {
                 in_whole += 1;
                 assert!(farthest_m(&points, p) <= radius_m, "{p:?} of {points:?}");
             }
-            // An intersection that misses the middle of its points may be left out.
+            // An intersection that does not contain the middle of its points may be left out.
             if !region.is_empty() && farthest_m(&points, p) < inscribed_m {
                 in_inscribed += 1;
                 assert!(inside, "{p:?} of {points:?}, {radius_m} m");
@@ -60,8 +60,8 @@ fn an_intersection_of_discs_lies_between_the_inscribed_and_the_whole() {
     assert!(is_replay() || (in_inscribed > 20_000 && none > 100));
 }
 
-/// The points of the ground under the hull of a pyramid that no Ground pixel sees, sampled densely,
-/// away from the camera and across.
+/// The points of the ground under the hull of a pyramid that no Ground pixel shows, sampled densely
+/// along and across the direction away from the camera.
 fn unseen(case: &Case, frame: &Frame, corners: &[Point]) -> Vec<Point> {
     const ALONG: usize = 40;
     let model = &case.config.camera;
@@ -74,7 +74,7 @@ fn unseen(case: &Case, frame: &Frame, corners: &[Point]) -> Vec<Point> {
                     == Label::Ground
         })
     };
-    // Corners come in pairs, the near end of a ray and its far end.
+    // Corners come in pairs: the near end and the far end of a ray.
     let ends: Vec<[Point; 2]> = corners.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
     let along = |[near, far]: [Point; 2], i: usize| {
         let share = i as f64 / ALONG as f64;
@@ -117,7 +117,7 @@ fn every_point_of_the_margin_is_near_all_that_may_have_lit_some_pixel() {
             assert!(is_near, "{p:?} is near no pixel's pyramid\n{case:?}");
             checked += 1;
         }
-        // And not needlessly small: how much of what the inscribed discs prove is there?
+        // The set is not too small either: it contains most of what the inscribed discs prove.
         for corners in pyramids.iter().step_by(20) {
             let sum = corners.iter().fold([0.0; 2], |s, p| [s[0] + p[0], s[1] + p[1]]);
             let middle = sum.map(|x: f64| x / corners.len() as f64);

@@ -10,11 +10,11 @@ use csat_tests::scenes::Case;
 use csat_world::camera::oracle::{Hit, Oracle};
 use nalgebra::Vector3;
 
-/// What the definition says of a cell's centre.
+/// A cell by the definition, at its centre.
 enum Cell {
     /// Outside the image or beyond d_max.
     Beyond,
-    /// At a distance to a border where rounding decides.
+    /// So near to a border that rounding decides.
     Undecided,
     /// In view.
     Within,
@@ -37,14 +37,14 @@ fn cell(case: &Case, p: Point) -> Cell {
     }
 }
 
-/// Whether the ray to a point of the ground meets nothing before it.
+/// Whether no obstacle or target is on the ray to a point of the ground.
 fn is_visible(oracle: &Oracle, view: &CameraView, p: Point) -> bool {
     let ray = Vector3::new(p[0], p[1], 0.0) - view.centre_world();
     matches!(oracle.cast(view.centre_world(), ray), Some((Hit::Ground, _)))
 }
 
-/// Whether d_max cuts the footprint: its polygon then ends at a chord, and what is beyond that is
-/// not classified. A known looseness of what carries no guarantee.
+/// Whether d_max cuts the footprint: its polygon then ends at a chord, and cells beyond the chord are
+/// not classified. This is a known inexactness of sets without a guarantee.
 fn reaches_d_max(case: &Case) -> bool {
     let model = &case.config.camera;
     let camera = Pinhole::new(model, &case.pose);
@@ -62,7 +62,7 @@ struct Count {
     hidden: u32,
     needlessly: u32,
     beyond: u32,
-    /// Farther than the chord that stands for the arc of d_max: neither, though in view.
+    /// Cells in view beyond the chord of the arc of d_max, which are neither hidden nor seen.
     past_chord: u32,
 }
 
@@ -119,7 +119,7 @@ fn a_cell_is_empty_if_its_centre_is_seen() {
             assert!(is_visible(&oracle, &view, p), "{p:?} is Empty though hidden\n{case:?}");
             empty += 1;
         }
-        // Both rasters come from the same centres where the grids share them.
+        // No occupied cell is much higher than the camera.
         let occupied = measured.oem.iter().filter(|delta| delta.state != OemCell::Empty);
         for delta in occupied {
             let OemCell::Occupied { height_dm } = delta.state else { panic!("{delta:?}") };

@@ -1,4 +1,4 @@
-//! X^{t,m} (4.4): every placement of the cylinder that explains a pixel, and little else.
+//! X^{t,m} (4.4): it contains every location of the cylinder that explains a pixel, and little else.
 
 use csat_agent::sense::Sensor;
 use csat_proto::camera::Assumption;
@@ -21,7 +21,8 @@ fn pixels(case: &Case, frame: &Frame, seen: &Detection) -> Vec<(u16, u16, [f64; 
         .collect()
 }
 
-/// Where points that may have lit a pixel stand on the ground: `k` x `k` rays, as many depths.
+/// Ground projections of points that may have lit a pixel, sampled: `k` x `k` rays and depths along
+/// each.
 fn lit(case: &Case, pixel: &(u16, u16, [f64; 2]), k: usize) -> Vec<Point> {
     let camera = Pinhole::new(&case.config.camera, &case.pose);
     let (column, row, [near, far]) = *pixel;
@@ -51,7 +52,7 @@ fn every_placement_that_explains_a_pixel_is_in_the_target_set() {
             let pixels = pixels(&case, &frame, detection);
             for pixel in pixels.iter().step_by(pixels.len().div_ceil(6)) {
                 for (i, lit) in lit(&case, pixel, 3).into_iter().enumerate() {
-                    // The location is anywhere within r^t of the lit point: try the rim.
+                    // The location is within r^t of the lit point: check the circle.
                     for k in 0..5 {
                         let (sin, cos) = (f64::from(k) * 1.2566 + i as f64).sin_cos();
                         let p = [lit[0] + radius_m * cos, lit[1] + radius_m * sin];
@@ -69,15 +70,15 @@ fn every_placement_that_explains_a_pixel_is_in_the_target_set() {
     assert!(is_replay() || checked > 200_000);
 }
 
-/// Distance from a point to what may have lit a pixel: the hull of its pyramid on the ground, by the
-/// segments between all of its corners.
+/// Distance from a point to the hull of the pyramid of a pixel on the ground, by the segments between
+/// all of its corners.
 fn distance_to_lit_m(corners: &[Point], p: Point) -> f64 {
     let pairs = corners.iter().flat_map(|&a| corners.iter().map(move |&b| [a, b]));
     pairs.map(|segment| distance_to_segment_m(p, segment)).fold(f64::INFINITY, f64::min)
 }
 
-/// How much farther than its own pyramid the hull of a row's pixels may reach, metres: as much as
-/// their depths differ.
+/// How far the hull of a row of pixels may exceed the pyramid of one pixel, metres: the difference of
+/// their depths.
 fn row_slack_m(pixels: &[(u16, u16, [f64; 2])]) -> f64 {
     let spread = |row: u16, end: usize| {
         let depths = pixels.iter().filter(|p| p.1 == row).map(|p| p.2[end]);

@@ -33,8 +33,8 @@ pub(super) fn detections(
     let error = i32::from(model.box_error_px);
     let mut found = Vec::new();
     for (target, PixelTally { count, pixels }) in tally(labels, columns, &target_of) {
-        // Each target has a block of the stream, so that the visibility of one does not affect the box of
-        // another.
+        // Each target has a block of the stream, so that the visibility of one does not affect the
+        // box of another.
         rng.set_word_pos(u128::from(target.0) * 16);
         let offset = [rng.random_range(-error..=error), rng.random_range(-error..=error)];
         if count >= model.min_pixels {

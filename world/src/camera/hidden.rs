@@ -10,8 +10,8 @@ use crate::scene::{Prism, Scene};
 
 /// Lines that enclose a smaller angle (radians) are also split like parallel ones.
 const PARALLEL: f64 = 1e-5;
-/// How far beyond its ends an edge splits others, as a share of its length. Superfluous splits are harmless,
-/// a missing one is not.
+/// How far beyond its ends an edge splits others, as a share of its length. Superfluous splits are
+/// harmless, a missing one is not.
 const OVERSHOOT: f64 = 1e-3;
 
 /// Finds visible parts, in buffers that are reused.
@@ -50,7 +50,8 @@ impl Visibility {
         }
     }
 
-    /// Lists the prisms that may hide part of `edge`, and the parameters where its visibility may change.
+    /// Lists the prisms that may hide part of `edge`, and the parameters where its visibility may
+    /// change.
     fn split(&mut self, edge: &ImageEdge, outline: &Outline) {
         self.splits.clear();
         self.occluders.clear();

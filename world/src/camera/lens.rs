@@ -131,8 +131,8 @@ impl Lens {
         [g.x, g.y, g.z]
     }
 
-    /// The sides of the view cone that a point is outside of, a bit each. Points that share a bit span no
-    /// visible set.
+    /// The sides of the view cone that a point is outside of, a bit each. Points that share a bit
+    /// span no visible set.
     pub fn outcode(&self, camera: &Vector3<f64>) -> u8 {
         let x = self.focal_px * camera.x;
         let y = self.focal_px * camera.y;

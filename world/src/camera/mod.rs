@@ -48,10 +48,11 @@
 //! the part widened by [`CONTOUR_MARGIN_PX`], so a part on a border counts for both sides).
 //!
 //! A contour edge changes from visible to hidden by F only where its image crosses the image of a
-//! contour edge of F: the hidden part is where the triangle camera-edge cuts F, and its rim is a
-//! ray that touches F with F on one side only. All such crossings (and more: superfluous ones are
-//! harmless) split the edge. The middle of each piece decides for the piece, by an exact test whether the
-//! segment from the camera pierces the prism by more than [`CLEARANCE_M`]; otherwise it counts as visible.
+//! contour edge of F: the hidden part is where the triangle camera-edge cuts F, and its rim is a ray
+//! that touches F with F on one side only. All such crossings (and more: superfluous ones are
+//! harmless) split the edge. The middle of each piece decides for the piece, by an exact test whether
+//! the segment from the camera pierces the prism by more than [`CLEARANCE_M`]; otherwise it counts as
+//! visible.
 //!
 //! **Distance.** Along a plane, the set of rays with ρ ≤ d_max is convex in the image, so a plane
 //! is within d_max on all of Q when it is at the four corners; the horizon is the same test. The

@@ -39,8 +39,8 @@ impl Stream {
 }
 
 /// The depths D = ρ(1+w) of a frame (3.33), quantised, with w uniform in `depth_noise`. A depth
-/// beyond d_max makes its pixel Unknown. Pixel n takes the n-th number of the stream, so it does not depend
-/// on other pixels; Unknown pixels get depth 0.
+/// beyond d_max makes its pixel Unknown. Pixel n takes the n-th number of the stream, so it does not
+/// depend on other pixels; Unknown pixels get depth 0.
 pub(super) fn measure(
     model: &CameraModel,
     seen: &Classified,

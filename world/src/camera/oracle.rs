@@ -76,8 +76,8 @@ impl Oracle {
         self.cast(view.centre_world(), view.ray_world(c, r))
     }
 
-    /// The thing that `n` x `n` rays through a pixel meet, corners and borders included (`n` >= 2); `None`
-    /// unless all meet the same thing within d_max.
+    /// The thing that `n` x `n` rays through a pixel meet, corners and borders included (`n` >= 2);
+    /// `None` unless all meet the same thing within d_max.
     pub fn classify_pixel(
         &self,
         view: &CameraView,

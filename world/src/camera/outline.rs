@@ -308,8 +308,8 @@ impl Outline {
     }
 }
 
-/// A lower bound on the distance of the camera from a prism, metres: above the roof, or beside the walls of
-/// a higher prism. 0 inside.
+/// A lower bound on the distance of the camera from a prism, metres: above the roof, or beside the
+/// walls of a higher prism. 0 inside.
 fn clearance_of(prism: &Prism, centre: &Vector3<f64>) -> f64 {
     let above_m = centre.z - prism.height_m;
     if above_m >= MIN_CLEARANCE_M {

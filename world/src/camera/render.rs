@@ -29,9 +29,9 @@ impl Classified {
         &self.labels
     }
 
-    /// The entity that the ray through the centre of a pixel meets first, at any distance; `None` for ground
-    /// and sky. Where [`Self::labels`] is Obstacle or Target under Assumption 4, every ray of the pixel
-    /// meets it.
+    /// The entity that the ray through the centre of a pixel meets first, at any distance; `None` for
+    /// ground and sky. Where [`Self::labels`] is Obstacle or Target under Assumption 4, every ray of
+    /// the pixel meets it.
     pub fn entity(&self, pixel: usize) -> Option<Entity> {
         self.faces[self.depth.face[pixel] as usize].entity
     }

@@ -40,8 +40,8 @@ impl MapWarning {
     }
 }
 
-/// The texts of the warnings: for each cause all of them if they are few, else the first one and the number
-/// of the others.
+/// The texts of the warnings: for each cause all of them if they are few, else the first one and the
+/// number of the others.
 pub fn by_cause(warnings: &[MapWarning]) -> Vec<String> {
     let mut groups: Vec<Vec<&MapWarning>> = Vec::new();
     for warning in warnings {

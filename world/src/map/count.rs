@@ -52,8 +52,8 @@ pub enum LeftOut {
 }
 
 impl LeftOut {
-    /// Whether it may be a mistake in the file. Trees, footpaths and tunnels are only counted; each ring or
-    /// road without extent has a warning of its own.
+    /// Whether it may be a mistake in the file. Trees, footpaths and tunnels are only counted; each
+    /// ring or road without extent has a warning of its own.
     pub fn is_suspicious(&self) -> bool {
         use LeftOut::*;
         match self {

@@ -32,9 +32,9 @@ const JITTER: f64 = 0.1;
 
 /// The town of `seed`.
 ///
-/// Streets run through the whole region. Buildings keep a distance from streets and from each other, and cover
-/// exactly `built_share` of the region: kinds are drawn lot by lot, in random order, until enough
-/// is covered, then all footprints shrink by a common factor.
+/// Streets run through the whole region. Buildings keep a distance from streets and from each other,
+/// and cover exactly `built_share` of the region: kinds are drawn lot by lot, in random order, until
+/// enough is covered, then all footprints shrink by a common factor.
 ///
 /// # Errors
 /// When the blocks have no room for that share.

@@ -1,8 +1,8 @@
 //! Makes outlines that overlap disjoint, so that solids of different obstacles never overlap.
 //!
-//! Outlines of equal height that meet become one obstacle. Where heights differ, the higher building keeps
-//! its whole outline, which is cut out of the lower ones. The union of the solids stays the same, and each
-//! solid stays Z-convex (3.1).
+//! Outlines of equal height that meet become one obstacle. Where heights differ, the higher building
+//! keeps its whole outline, which is cut out of the lower ones. The union of the solids stays the
+//! same, and each solid stays Z-convex (3.1).
 
 use geo::{Area, BooleanOps, BoundingRect, MultiPolygon, Rect, unary_union};
 
@@ -20,8 +20,8 @@ pub(super) struct BuildingOutline {
     pub height_m: f64,
 }
 
-/// Disjoint obstacles (up to a few µm of rounding) that cover what the outlines cover, in the order of the
-/// first feature of each.
+/// Disjoint obstacles (up to a few µm of rounding) that cover what the outlines cover, in the order
+/// of the first feature of each.
 pub(super) fn disjoint(
     outlines: &[BuildingOutline],
     warnings: &mut Vec<MapWarning>,

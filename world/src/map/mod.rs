@@ -33,8 +33,8 @@ pub use report::{FeatureRef, MapError, MapWarning};
 
 use crate::obstacle::Obstacle;
 
-/// Sides of a region, metres. The grid of sets spans ±4095 m (`proto::region`), and cameras look farther than
-/// the region.
+/// Sides of a region, metres. The grid of sets spans ±4095 m (`proto::region`), and cameras look
+/// farther than the region.
 const SIZES_M: RangeInclusive<f64> = 20.0..=4000.0;
 
 pub use csat_proto::model::FLIGHT_CLEARANCE_M;
@@ -133,8 +133,8 @@ pub struct Map {
     pub obstacles: Vec<Obstacle>,
     /// Centre lines of roads as mapped, `world`, metres: neither clipped nor clear of walls.
     pub roads: Vec<Vec<[f64; 2]>>,
-    /// The position of the middle of the region on Earth, [longitude, latitude] in degrees; `None` for a
-    /// generated town.
+    /// The position of the middle of the region on Earth, [longitude, latitude] in degrees; `None`
+    /// for a generated town.
     pub centre_deg: Option<[f64; 2]>,
     /// The attribution that has to be shown with the map.
     pub attribution: Option<String>,
@@ -150,8 +150,8 @@ impl Map {
         self.obstacles.iter().map(Obstacle::area_m2).sum::<f64>() / self.ground.area_m2()
     }
 
-    /// The tangent plane between `world` and longitude and latitude; a town without a position on Earth is at
-    /// (0, 0).
+    /// The tangent plane between `world` and longitude and latitude; a town without a position on
+    /// Earth is at (0, 0).
     pub fn plane(&self) -> TangentPlane {
         TangentPlane::new(self.centre_deg.unwrap_or_default())
     }

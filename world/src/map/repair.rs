@@ -87,8 +87,8 @@ fn ring(
     Some(shape)
 }
 
-/// All points that a ring winds around, as simple parts: a bow-tie becomes two triangles, a spike vanishes, a
-/// loop is filled.
+/// All points that a ring winds around, as simple parts: a bow-tie becomes two triangles, a spike
+/// vanishes, a loop is filled.
 fn rebuilt(ring: &LineString<f64>) -> MultiPolygon<f64> {
     let polygon = Polygon::new(ring.clone(), Vec::new());
     let nothing = MultiPolygon(Vec::new());

@@ -1,5 +1,5 @@
-//! Errors of a map, and warnings of what was corrected. Every entry names the feature, so that the file can
-//! be corrected.
+//! Errors of a map, and warnings of what was corrected. Every entry names the feature, so that the
+//! file can be corrected.
 
 use std::path::PathBuf;
 

@@ -77,8 +77,9 @@ pub struct RoadGraph {
 }
 
 impl RoadGraph {
-    /// The usable part of `polylines` (centre lines, `world`, metres): clipped to the region, joined where
-    /// they meet or cross, cut where they are too close to a wall. Equal arguments give equal graphs.
+    /// The usable part of `polylines` (centre lines, `world`, metres): clipped to the region, joined
+    /// where they meet or cross, cut where they are too close to a wall. Equal arguments give equal
+    /// graphs.
     pub(crate) fn build(
         ground: &Ground,
         polylines: &[Vec<[f64; 2]>],

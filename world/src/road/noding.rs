@@ -7,8 +7,8 @@ use crate::plane::{
     minus,
 };
 
-/// Ends this near to another road join it, metres. Roads that share a node in OpenStreetMap have equal ends;
-/// this corrects inexact drawing.
+/// Ends this near to another road join it, metres. Roads that share a node in OpenStreetMap have
+/// equal ends; this corrects inexact drawing.
 const SNAP_M: f64 = 0.2;
 
 /// A piece of centre line.

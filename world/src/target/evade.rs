@@ -1,7 +1,8 @@
 //! Cars that evade: off the roads, at v_max, in reaction to the UAVs, as far as the model allows.
 //!
-//! The guarantee assumes v_max, the separations (3.8) and (3.11) and the region of a car, and no more. Cars
-//! on roads drive at half of v_max on average and use little of that freedom; these cars use all of it.
+//! The guarantee assumes v_max, the separations (3.8) and (3.11) and the region of a car, and no
+//! more. Cars on roads drive at half of v_max on average and use little of that freedom; these cars
+//! use all of it.
 
 use std::f64::consts::TAU;
 
@@ -93,7 +94,8 @@ impl Chase<'_> {
             && self.walls.nearest_within(place, self.clearance_m.next_up()).is_none()
     }
 
-    /// The cost, for a car of this manner, of `place` after a turn of `turn_rad`; the car takes the least.
+    /// The cost, for a car of this manner, of `place` after a turn of `turn_rad`; the car takes the
+    /// least.
     fn cost(&self, manner: Manner, place: Point, turn_rad: f64) -> (u8, f64) {
         let by_distance = |a: &&Watcher, b: &&Watcher| {
             distance_m(a.p_world, place).total_cmp(&distance_m(b.p_world, place))

@@ -6,8 +6,8 @@ use csat_proto::model::{FLIGHT_CLEARANCE_M, FleetModel};
 use crate::map::{Map, MapWarning};
 use crate::obstacle::Walls;
 
-/// Lowers buildings within [`FleetModel::launch_radius_m`] of a start until that UAV can fly over them, with
-/// a warning of the map for each. Buildings farther away keep their heights.
+/// Lowers buildings within [`FleetModel::launch_radius_m`] of a start until that UAV can fly over
+/// them, with a warning of the map for each. Buildings farther away keep their heights.
 pub(super) fn clear(map: &mut Map, fleet: &FleetModel, starts: &[Pose]) {
     let radius_m = fleet.launch_radius_m();
     for obstacle in &mut map.obstacles {

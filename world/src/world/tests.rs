@@ -88,7 +88,8 @@ fn no_room_is_an_error_that_says_what_to_change() {
     assert!(matches!(errors.errors[..], [WorldError::Placement(_)]), "{errors}");
 }
 
-/// Off: all buildings are below the flights. On: they have the heights of the map, except at the launch site.
+/// Off: all buildings are below the flights. On: they have the heights of the map, except at the
+/// launch site.
 #[test]
 fn buildings_are_as_high_as_they_are_where_uavs_fly_around_them() {
     let heights =

@@ -81,8 +81,8 @@ impl<'a> Check<'a> {
         );
     }
 
-    /// Checks every label against `k + 1` x `k + 1` rays per pixel, borders and corners included, and counts
-    /// Unknown pixels without visible cause.
+    /// Checks every label against `k + 1` x `k + 1` rays per pixel, borders and corners included, and
+    /// counts Unknown pixels without visible cause.
     pub fn grid(&self, seen: &Classified, k: usize) -> Count {
         let width = self.columns * k + 1;
         let step = 1.0 / k as f64;
@@ -125,8 +125,8 @@ impl<'a> Check<'a> {
         assert!(error < 1e-6, "{}: rho {rho_m} m, oracle {distance_m} m at {c}, {r}", self.name);
     }
 
-    /// Whether denser rays, or rays just outside, show why a pixel is Unknown: another entity, a distance
-    /// beyond d_max, or a jump in depth.
+    /// Whether denser rays, or rays just outside, show why a pixel is Unknown: another entity, a
+    /// distance beyond d_max, or a jump in depth.
     fn is_at_silhouette(&self, column: usize, row: usize) -> bool {
         const N: usize = 40;
         const RIM: f64 = 1e-3;

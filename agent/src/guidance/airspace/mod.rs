@@ -1,5 +1,5 @@
-//! Flying around buildings: a UAV enters only airspace that it has seen to be free, and only where it can stay
-//! in free airspace for ever.
+//! Flying around buildings: a UAV enters only airspace that it has seen to be free, and only where it
+//! can stay in free airspace for ever.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -8,24 +8,25 @@
 //!
 //! # What is proven
 //!
-//! *Proposition.* Let a Ground pixel show a point g, seen by a camera at altitude z above the nadir o. Then
-//! over p = o + s·(g - o), 0 ≤ s ≤ 1, no building is higher than z·(1 - s). *Proof.* The ray passes over p
-//! at that height and ends on the ground (Assumption 4), so no building has that point. Buildings are
-//! Z-convex (3.1): one with a point above it over p would have it, too. ∎
+//! *Proposition.* Let a Ground pixel show a point g, seen by a camera at altitude z above the nadir
+//! o. Then over p = o + s·(g - o), 0 ≤ s ≤ 1, no building is higher than z·(1 - s). *Proof.* The ray
+//! passes over p at that height and ends on the ground (Assumption 4), so no building has that point.
+//! Buildings are Z-convex (3.1): one with a point above it over p would have it, too. ∎
 //!
 //! So all airspace from the UAV to the ground that it sees is free at its altitude, with
-//! [`FLIGHT_CLEARANCE_M`] below it wherever z·(1 - s) ≤ z - [`FLIGHT_CLEARANCE_M`]. It stays free, because no
-//! building is added during a mission. Also free are the airspace outside the region, where no building stands,
-//! and the launch site ([`csat_proto::model::FleetModel::launch_radius_m`]). All other airspace counts as a
-//! building of unlimited height, whether an obstacle was seen there or not. Messages of other agents are not
+//! [`FLIGHT_CLEARANCE_M`] below it wherever z·(1 - s) ≤ z - [`FLIGHT_CLEARANCE_M`]. It stays free,
+//! because no building is added during a mission. Also free are the airspace outside the region,
+//! where no building stands, and the launch site
+//! ([`csat_proto::model::FleetModel::launch_radius_m`]). All other airspace counts as a building of
+//! unlimited height, whether an obstacle was seen there or not. Messages of other agents are not
 //! used: whether a UAV hits a wall must not depend on its radio.
 //!
-//! *Proposition.* Let a UAV fly, at every decision, an increment whose way through its block stays in free
-//! airspace, and after which further blocks are known that also stay in free airspace and end in a circle (a
-//! *way out*). Then it never leaves free airspace, as long as decisions are made in time. *Proof.* At the next
-//! decision the first increment of the way out is such an increment, with the rest of the way out behind it.
-//! Free airspace stays free, and a circle that can be flown once can be flown for ever. At the start, the circle
-//! in the launch site is a way out. ∎
+//! *Proposition.* Let a UAV fly, at every decision, an increment whose way through its block stays in
+//! free airspace, and after which further blocks are known that also stay in free airspace and end in
+//! a circle (a *way out*). Then it never leaves free airspace, as long as decisions are made in time.
+//! *Proof.* At the next decision the first increment of the way out is such an increment, with the
+//! rest of the way out behind it. Free airspace stays free, and a circle that can be flown once can
+//! be flown for ever. At the start, the circle in the launch site is a way out. ∎
 
 use csat_proto::camera::{CameraView, Pose};
 use csat_proto::frame::Frame;
@@ -127,14 +128,15 @@ impl Airspace {
         }
     }
 
-    /// The ways from `pose` (`world`, metres; its yaw is the last commanded one) at the decision of `step`.
+    /// The ways from `pose` (`world`, metres; its yaw is the last commanded one) at the decision of
+    /// `step`.
     pub fn ways(&self, pose: &Pose, oem: &Oem, step: Step) -> Ways<'_> {
         let way_out = self.way_out.as_ref().filter(|(at, _)| *at == step).map(|(_, way)| way);
         Ways::from(self, pose, oem, way_out.cloned())
     }
 
-    /// Notes the way out `behind` the block that is flown from the decision of `step` on. True if this is the
-    /// first decision without a way out.
+    /// Notes the way out `behind` the block that is flown from the decision of `step` on. True if
+    /// this is the first decision without a way out.
     pub fn fly(&mut self, step: Step, behind: Option<WayOut>) -> bool {
         let was_lost = std::mem::replace(&mut self.is_lost, behind.is_none());
         self.way_out = behind.map(|way| (Step(step.0 + self.steps_per_block), way));
@@ -142,8 +144,8 @@ impl Airspace {
     }
 }
 
-/// The greatest distance of a UAV from its start in its tightest circle, plus the distance that it keeps from
-/// buildings, metres; infinite if it cannot turn.
+/// The greatest distance of a UAV from its start in its tightest circle, plus the distance that it
+/// keeps from buildings, metres; infinite if it cannot turn.
 pub fn turning_room_m(config: &AgentConfig) -> f64 {
     let increments = config.guidance.gentlest_first_rad();
     let circling = Circling::of(config, &increments);
@@ -159,8 +161,9 @@ pub fn turning_room_m(config: &AgentConfig) -> f64 {
     farthest_m + margin_m(config, &circling) + CELL_M
 }
 
-/// The distance that ways keep from the middle of a cell that may hold a building, metres: the clearance, half
-/// the diagonals of that cell and of the own cell, half a step, and the bound of the error of the flight.
+/// The distance that ways keep from the middle of a cell that may hold a building, metres: the
+/// clearance, half the diagonals of that cell and of the own cell, half a step, and the bound of the
+/// error of the flight.
 fn margin_m(config: &AgentConfig, circling: &Circling) -> f64 {
     let diagonal_m = CELL_M * std::f64::consts::SQRT_2;
     FLIGHT_CLEARANCE_M + diagonal_m + 0.5 * Turning::step_m(config) + circling.doubt_m

@@ -1,7 +1,8 @@
 //! The airspace before the camera that the Ground pixels of a frame prove to be free.
 //!
-//! Directions are binned by the tangent of their angle to the heading. A run of Ground pixels in a row of the
-//! image shows every point of a segment of the ground: all airspace between the camera and the segment is free.
+//! Directions are binned by the tangent of their angle to the heading. A run of Ground pixels in a
+//! row of the image shows every point of a segment of the ground: all airspace between the camera and
+//! the segment is free.
 
 use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
@@ -22,8 +23,8 @@ pub(super) struct SeenGround {
     nadir: [f64; 2],
     /// Cosine and sine of the heading.
     cos_sin: [f64; 2],
-    /// Airspace at less than this share of the way to seen ground is not proven to be free down to the clearance
-    /// below.
+    /// Airspace at less than this share of the way to seen ground is not proven to be free down to
+    /// the clearance below.
     least_share: f64,
     far: Vec<GroundSpan>,
     near: Vec<GroundSpan>,

@@ -47,7 +47,8 @@ fn east(x: f64, y: f64) -> Pose {
     Pose::level([x, y, 52.0], 0.0)
 }
 
-/// The airspace of an agent that flew east from the launch site to x = `to` and saw the ground up to a wall.
+/// The airspace of an agent that flew east from the launch site to x = `to` and saw the ground up to
+/// a wall.
 fn flown(to: f64, wall: f64) -> Airspace {
     let mut airspace = Airspace::new(&config()).unwrap();
     let mut x = -260.0;

@@ -25,8 +25,8 @@ pub(super) struct Circling {
     pub(super) sides: Vec<usize>,
     /// The number of blocks after which a circle repeats itself.
     pub(super) blocks: usize,
-    /// Bound of the error of the flight, metres: turns that have not settled, and, if a round is not a whole
-    /// number of blocks, the bulge of a block, by which rounds differ.
+    /// Bound of the error of the flight, metres: turns that have not settled, and, if a round is not
+    /// a whole number of blocks, the bulge of a block, by which rounds differ.
     pub(super) doubt_m: f64,
 }
 
@@ -127,8 +127,8 @@ impl<'a> Ways<'a> {
         self.index_of(increment_rad).is_some_and(|index| self.behind[index].is_some())
     }
 
-    /// Whether a block that begins with an increment of U at `pose` keeps clear of known buildings. It is used for
-    /// later blocks and guarantees nothing.
+    /// Whether a block that begins with an increment of U at `pose` keeps clear of known buildings.
+    /// It is used for later blocks and guarantees nothing.
     pub fn is_open(&self, pose: &Pose, increment_rad: f64) -> bool {
         let index = self.index_of(increment_rad);
         index.is_some_and(|index| self.is_clear(&self.standing, pose, index))
@@ -149,8 +149,8 @@ impl<'a> Ways<'a> {
         self.way_out.clone().map(|way| way.next().1)
     }
 
-    /// The decision when no increment is safe: the way out of the last decision, which is still one; without it,
-    /// the increment that keeps clear longest of places where a building may be.
+    /// The decision when no increment is safe: the way out of the last decision, which is still one;
+    /// without it, the increment that keeps clear longest of places where a building may be.
     pub fn retreat(&self) -> Decision {
         let increments = &self.airspace.increments;
         let mut rest = self.way_out.clone().unwrap_or_else(|| self.least_bad());
@@ -198,8 +198,8 @@ impl<'a> Ways<'a> {
         self.airspace.turning.way(pose, increment).all(|p| !is_in(cells, p))
     }
 
-    /// A way out behind an increment, if its own block is clear: a circle at once, or after some blocks straight
-    /// ahead, or the same after another turn.
+    /// A way out behind an increment, if its own block is clear: a circle at once, or after some
+    /// blocks straight ahead, or the same after another turn.
     fn find_behind(&self, increment: usize) -> Option<WayOut> {
         let end = self.fly(&self.pose, increment)?;
         if is_on(Mutant::NoWayOutNeeded) {

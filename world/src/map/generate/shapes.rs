@@ -75,8 +75,8 @@ pub(super) fn shrunk(footprint: &Polygon<f64>, scale: f64) -> Polygon<f64> {
     footprint.affine_transform(&AffineTransform::scale(scale, scale, bounds.center()))
 }
 
-/// The building moved onto the lot, shrunk if it does not fit; `at` is its place within the room that is left
-/// along either axis, 0..1.
+/// The building moved onto the lot, shrunk if it does not fit; `at` is its place within the room that
+/// is left along either axis, 0..1.
 fn fitted(building: &Polygon<f64>, lot: &Bounds, at: [f64; 2]) -> Polygon<f64> {
     let Some(bounds) = building.bounding_rect() else { return building.clone() };
     let size = lot.size_m();

@@ -1,7 +1,7 @@
 //! The coordinate reference system that a file names.
 //!
-//! RFC 7946 allows longitude and latitude of WGS 84 only. Older files, and those of GDAL, name WGS 84 in a
-//! member `crs` in several spellings; files that name another system have projected coordinates.
+//! RFC 7946 allows longitude and latitude of WGS 84 only. Older files, and those of GDAL, name WGS 84
+//! in a member `crs` in several spellings; files that name another system have projected coordinates.
 
 use serde_json::Value;
 

@@ -37,8 +37,8 @@ pub fn without_mark(text: &str) -> &str {
 /// Reads the documents of a file, which is one or, line by line, a sequence.
 pub(super) fn read(text: &str) -> Result<Document, MapError> {
     let text = without_mark(text);
-    // Record separators occur between documents only: within strings JSON escapes them. Each is replaced by
-    // a space, which keeps lines and columns.
+    // Record separators occur between documents only: within strings JSON escapes them. Each is
+    // replaced by a space, which keeps lines and columns.
     let text: Cow<'_, str> =
         if text.contains('\u{1e}') { text.replace('\u{1e}', " ").into() } else { text.into() };
     let mut document = Document::default();

@@ -37,8 +37,8 @@ struct Tags<'a> {
     bad: Vec<Bad>,
 }
 
-/// The heights of a building or part. For each value that cannot be read there is a warning with the height
-/// that is used instead.
+/// The heights of a building or part. For each value that cannot be read there is a warning with the
+/// height that is used instead.
 pub(super) fn heights(feature: &Parsed, warnings: &mut Vec<MapWarning>) -> Heights {
     let mut tags = Tags { feature, bad: Vec::new() };
     let top_m = tags.top_m();

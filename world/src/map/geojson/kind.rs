@@ -118,8 +118,8 @@ enum Tag {
 }
 
 impl Tag {
-    /// Exporters write `"building": true` as well as `"building": "yes"`, and empty text or null for a tag
-    /// that a feature does not have.
+    /// Exporters write `"building": true` as well as `"building": "yes"`, and empty text or null for
+    /// a tag that a feature does not have.
     fn of(properties: &JsonObject<String, Value>, key: &str) -> Self {
         match properties.get(key) {
             None | Some(Value::Null) => Self::None,

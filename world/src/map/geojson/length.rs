@@ -71,8 +71,9 @@ fn length(text: &str) -> Option<f64> {
     Some(number(value)? * unit_m)
 }
 
-/// A decimal number without sign or exponent. OpenStreetMap's decimal separator is the point. A comma before
-/// one or two digits is a decimal separator as well; before three digits it may separate thousands.
+/// A decimal number without sign or exponent. OpenStreetMap's decimal separator is the point. A comma
+/// before one or two digits is a decimal separator as well; before three digits it may separate
+/// thousands.
 fn number(text: &str) -> Option<f64> {
     let text = text.trim();
     let text = text.strip_prefix('+').unwrap_or(text);

@@ -5,9 +5,9 @@
 //! Positions are projected to the local tangent plane about the foreign member `center` ([longitude,
 //! latitude]) or else the middle of the data.
 //!
-//! A text that is not GeoJSON is an error. Features that do not make a usable town (open or crossing rings,
-//! overlaps, odd heights) are repaired or left out with a warning. Errors and warnings name the feature, and
-//! [`Map::count`] counts what became of all features.
+//! A text that is not GeoJSON is an error. Features that do not make a usable town (open or crossing
+//! rings, overlaps, odd heights) are repaired or left out with a warning. Errors and warnings name
+//! the feature, and [`Map::count`] counts what became of all features.
 //!
 //! | module | what it does |
 //! |---|---|
@@ -46,8 +46,9 @@ const NAMED: usize = 8;
 /// `ground`, tops below the flights. `untagged` says what polygons without tags are.
 ///
 /// # Errors
-/// All mistakes together: a text that is not JSON or not GeoJSON, invalid features, positions that are not
-/// longitude and latitude, and polygons of which none is tagged as a building, if `untagged` is `None`.
+/// All mistakes together: a text that is not JSON or not GeoJSON, invalid features, positions that
+/// are not longitude and latitude, and polygons of which none is tagged as a building, if `untagged`
+/// is `None`.
 pub fn import(
     text: &str,
     ground: Ground,

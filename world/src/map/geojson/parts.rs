@@ -1,7 +1,8 @@
 //! Buildings and their parts.
 //!
-//! Solids of a town stand on the ground (3.1), so a part that begins above it (`min_height`) is built from
-//! the ground. Where other parts stand underneath, that is exact; where none does, there is a warning.
+//! Solids of a town stand on the ground (3.1), so a part that begins above it (`min_height`) is built
+//! from the ground. Where other parts stand underneath, that is exact; where none does, there is a
+//! warning.
 //!
 //! # References
 //! OpenStreetMap wiki, *Simple 3D Buildings*: the outline of a building with parts is their union and
@@ -29,7 +30,8 @@ pub(super) struct Solid {
     pub heights: Heights,
 }
 
-/// The solids to build: parts, buildings without parts, and what parts leave of the outline of a building.
+/// The solids to build: parts, buildings without parts, and what parts leave of the outline of a
+/// building.
 pub(super) fn outlines(
     mut solids: Vec<Solid>,
     count: &mut FeatureCount,
@@ -77,8 +79,8 @@ fn top_m(solid: &Solid) -> f64 {
     solid.heights.top_m.unwrap_or(DEFAULT_HEIGHT_M)
 }
 
-/// The building that a part belongs to: the one with the greatest common area, which is at least half the
-/// area of the part.
+/// The building that a part belongs to: the one with the greatest common area, which is at least half
+/// the area of the part.
 fn owner(part: &Solid, solids: &[Solid]) -> Option<usize> {
     if !part.is_part {
         return None;
@@ -98,8 +100,9 @@ fn rest(outline: &MultiPolygon<f64>, parts: &[&Solid]) -> MultiPolygon<f64> {
     rest
 }
 
-/// The height of what parts leave of an outline. If the outline is lower than a part, its height is that of
-/// the rest. Otherwise its height is that of the whole building, and the rest is as high as the lowest part.
+/// The height of what parts leave of an outline. If the outline is lower than a part, its height is
+/// that of the rest. Otherwise its height is that of the whole building, and the rest is as high as
+/// the lowest part.
 fn height_of_rest_m(outline: &Solid, parts: &[&Solid]) -> f64 {
     let tops = || parts.iter().map(|p| top_m(p));
     let highest_m = tops().fold(0.0, f64::max);

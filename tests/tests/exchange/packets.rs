@@ -1,4 +1,4 @@
-//! A fleet of two whose first message is worth tampering with.
+//! A fleet of two whose first packet has all parts that tests change.
 
 use csat_agent::agent::SetMembershipAgent;
 use csat_agent::config::ExchangeMode;
@@ -7,9 +7,9 @@ use csat_proto::ids::AgentId;
 use csat_proto::message::Message;
 use csat_tests::flight::Flight;
 use csat_tests::missions::small;
-use csat_tests::pair::Letter;
+use csat_tests::pair::Packet;
 
-/// Both UAVs over the same ground, so that one can tell the other something.
+/// Both UAVs fly over the same ground, so that facts of one are useful to the other.
 pub fn script(step: u32, agent: u16) -> f64 {
     f64::from(step / 6) * 0.5 - 1.0 + 0.8 * f64::from(agent)
 }
@@ -22,35 +22,35 @@ pub fn flight(seed: u64, uavs: u16, mode: ExchangeMode) -> Flight {
     Flight::scripted(&scenario, script)
 }
 
-/// UAV 0 at a step, before it reads what UAV 1 has to say about it: the last fact of UAV 1 that
-/// saw clear ground, a target and an obstacle.
-pub fn unread_fact(seed: u64) -> (Flight, Letter) {
+/// UAV 0 at a step before it receives the packet of UAV 1: the last fact of UAV 1 with clear ground,
+/// a target and an obstacle margin.
+pub fn unread_fact(seed: u64) -> (Flight, Packet) {
     let mut flight = flight(seed, 2, ExchangeMode::Facts);
     flight.pair.filter = csat_tests::pair::silence();
-    flight.pair.keep_letters();
+    flight.pair.keep_packets();
     for _ in 0..60 {
         flight.step();
-        let telling = |letter: &&Letter| {
-            let rich = matches!(body(letter), Message::Fact(fact)
+        let telling = |packet: &&Packet| {
+            let rich = matches!(body(packet), Message::Fact(fact)
                 if !fact.clear_ground.is_empty() && !fact.targets.is_empty()
                     && !fact.oem.is_empty());
-            letter.dst == AgentId(0) && rich && letter.sent == flight.pair.time
+            packet.dst == AgentId(0) && rich && packet.sent == flight.pair.time
         };
-        if let Some(letter) = flight.pair.letters.iter().find(telling).cloned() {
-            return (flight, letter);
+        if let Some(packet) = flight.pair.packets.iter().find(telling).cloned() {
+            return (flight, packet);
         }
-        flight.pair.letters.clear();
+        flight.pair.packets.clear();
     }
     panic!("seed {seed}: UAV 1 never sees a target");
 }
 
-/// What a letter says.
-pub fn body(letter: &Letter) -> Message {
-    let envelope = Envelope::decode(&letter.bytes).expect("an agent's own letter");
+/// The message in a packet.
+pub fn body(packet: &Packet) -> Message {
+    let envelope = Envelope::decode(&packet.bytes).expect("an agent's own packet");
     postcard::from_bytes(&envelope.body).expect("an agent's own body")
 }
 
-/// What an agent knows, as a number.
+/// The digest of an agent's knowledge.
 pub fn digest(agent: &SetMembershipAgent) -> u64 {
     csat_proto::agent::Agent::digest(agent)
 }
