@@ -25,9 +25,14 @@ pub fn fly(arguments: &AgentArguments) -> Result<String, AgentError> {
     )
 }
 
+/// Why the world's scenario is not understood: TOML's message, without its excerpt of the file.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", .0.message())]
+struct ScenarioError(toml::de::Error);
+
 fn take_part(welcomed: Welcomed<'_>) -> Result<String, AgentError> {
     let scenario: Scenario = toml::from_str(&welcomed.welcome.scenario)
-        .map_err(|error| AgentError::Scenario(error.into()))?;
+        .map_err(|error| AgentError::Scenario(ScenarioError(error).into()))?;
     let map = welcomed.welcome.map.clone();
     welcomed.fly(Setup {
         mission: SetMembership::new(&scenario),
