@@ -93,14 +93,13 @@ impl Summary {
         let summary = Self::deserialize(value).map_err(|e| format!("its summary is none: {e}"))?;
         let columns = kind(&summary.mission).map_or(&[][..], |kind| kind.columns);
         for key in columns.iter().filter(|column| column.in_summary).map(|column| column.key) {
-            match value.get(key) {
-                Some(Value::Null | Value::Number(_)) => {}
-                Some(got) => {
-                    return Err(format!(
-                        "its summary is none: `{key}` is {got}, expected a number"
-                    ));
-                }
-                None => return Err(format!("its summary is none: it has no `{key}`")),
+            for (path, value) in [("", value), ("final.", &value["final"])] {
+                let complaint = match value.get(key) {
+                    Some(Value::Null | Value::Number(_)) => continue,
+                    Some(got) => format!("`{path}{key}` is {got}, expected a number or null"),
+                    None => format!("it has no `{path}{key}`"),
+                };
+                return Err(format!("its summary is none: {complaint}"));
             }
         }
         Ok(())

@@ -22,9 +22,14 @@ pub fn fly(arguments: &AgentArguments) -> Result<String, AgentError> {
     )
 }
 
+/// Why the world's scenario is not understood: TOML's message, without its excerpt of the file.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", .0.message())]
+struct ScenarioError(toml::de::Error);
+
 fn take_part(welcomed: Welcomed<'_>) -> Result<String, AgentError> {
     let scenario = Scenario::from_toml(&welcomed.welcome.scenario)
-        .map_err(|error| AgentError::Scenario(error.into()))?;
+        .map_err(|error| AgentError::Scenario(ScenarioError(error).into()))?;
     let mission = missions::find(&scenario.mission)
         .ok_or_else(|| AgentError::Mission(scenario.mission.clone(), missions::names()))?;
     mission.take_part(welcomed, scenario)

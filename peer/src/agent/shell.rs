@@ -176,7 +176,7 @@ impl<M: Mission> Shell<M> {
         pushed.inspect_err(|error| self.port.refusals().count("message", error)).is_ok()
     }
 
-    /// Runs the agent at an instant, and sends what it has to say.
+    /// Runs the agent at an instant, and answers the queries that waited for that.
     pub fn run(&mut self, at: SimTime, now: &CurrentStep) {
         self.node.run(at);
         self.answer_queries(now);

@@ -37,7 +37,7 @@ pub struct Member<R> {
     /// process to receive them.
     pub frames: u64,
     /// Whether the process has sent something since the step began.
-    pub is_heard: bool,
+    pub has_sent: bool,
     /// When the world received nothing from it.
     pub silence: Silence,
 }
@@ -53,7 +53,7 @@ impl<R> Default for Member<R> {
             has_reported: false,
             past: PastProcesses::default(),
             frames: 0,
-            is_heard: false,
+            has_sent: false,
             silence: Silence::default(),
         }
     }
@@ -62,7 +62,7 @@ impl<R> Default for Member<R> {
 impl<R: Serialize + DeserializeOwned> Member<R> {
     /// Takes an answer to a frame or a turn.
     pub fn answer(&mut self, done: Done) {
-        self.is_heard = true;
+        self.has_sent = true;
         self.done = Some((done.step, done.round));
         self.said = done.said;
         self.due = done.due;
@@ -72,7 +72,7 @@ impl<R: Serialize + DeserializeOwned> Member<R> {
     /// Takes a report.
     pub fn take_report(&mut self, report: StepReport<R>) {
         self.report = Some(report);
-        (self.has_reported, self.is_heard) = (true, true);
+        (self.has_reported, self.has_sent) = (true, true);
     }
 
     /// The process is gone, and with it the messages on their way to it.

@@ -47,8 +47,8 @@ impl<M: Mission> RemoteFleet<M> {
         let span_s = (brief.now.seconds(), brief.next.seconds());
         let members = self.members.iter_mut().zip(&brief.is_down_by_schedule).enumerate();
         for (index, (member, is_down)) in members {
-            let is_heard = std::mem::take(&mut member.is_heard) || *is_down;
-            if member.silence.note(span_s, is_heard, least_s) {
+            let has_sent = std::mem::take(&mut member.has_sent) || *is_down;
+            if member.silence.note(span_s, has_sent, least_s) {
                 let since_s = span_s.1 - member.silence.lasts_s();
                 tracing::warn!(agent = index, since_s, "nothing is heard of its process");
             }

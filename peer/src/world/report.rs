@@ -22,7 +22,7 @@ pub struct StepReport<R> {
     pub header: ReportHeader,
     /// The hash of the agent's state; 0 while it is down.
     pub digest: u64,
-    /// What the agent knows; `None` while it is down, except in a [`Scope::Final`] report.
+    /// What the agent knows; `None` while it is down, except in the report at the end of the mission.
     pub report: Option<R>,
     times: StageTimes,
     bytes_sent: u64,

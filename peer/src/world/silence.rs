@@ -12,10 +12,10 @@ pub struct Silence {
 }
 
 impl Silence {
-    /// The step from `from_s` to `to_s` is over; `is_heard`: the process sent something in it. Returns
+    /// The step from `from_s` to `to_s` is over; `has_sent`: the process sent something in it. Returns
     /// whether the silence has just become longer than `least_s`; a shorter one does not count.
-    pub fn note(&mut self, (from_s, to_s): (f64, f64), is_heard: bool, least_s: f64) -> bool {
-        if is_heard {
+    pub fn note(&mut self, (from_s, to_s): (f64, f64), has_sent: bool, least_s: f64) -> bool {
+        if has_sent {
             let past = self.current_s.take().filter(|_| std::mem::take(&mut self.counts));
             self.past_s.extend(past.map(|(from_s, to_s)| [from_s, to_s]));
             return false;
@@ -47,11 +47,11 @@ mod tests {
         let mut silence = Silence::default();
         let mut long = Vec::new();
         // Two seconds from 1 s on, which count, and one from 4 s on, which does not.
-        for (step, is_heard) in
+        for (step, has_sent) in
             [true, false, false, true, false, true, false, false].iter().enumerate()
         {
             let from_s = step as f64;
-            if silence.note((from_s, from_s + 1.0), *is_heard, 1.0) {
+            if silence.note((from_s, from_s + 1.0), *has_sent, 1.0) {
                 long.push((step, silence.lasts_s()));
             }
         }

@@ -81,7 +81,8 @@ fn processes_fly_the_same_mission() {
 fn keys_of_the_census_have_effects() {
     let base = scratch();
     let digest = |sets: &[&str]| {
-        let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
+        let long = ["run.duration_s=60"];
+        let sets: Vec<&str> = long.iter().chain(sets).flat_map(|set| ["--set", set]).collect();
         json(&small("run", base.path(), &[&["--json"], &sets[..]].concat()))["digest"].clone()
     };
     let usual = digest(&[]);
