@@ -93,7 +93,7 @@ impl<M: Mission> LocalFleet<M> {
         }
     }
 
-    /// Everybody hears what everybody has to say.
+    /// Each agent receives what all other agents have to send.
     fn talk(&mut self, now: SimTime) {
         let said: Vec<Said> = self.nodes.iter_mut().flat_map(|node| node.say(now)).collect();
         self.nodes.par_iter_mut().enumerate().for_each(|(dst, node)| {
@@ -135,7 +135,7 @@ impl<M: Mission> Fleet<M> for LocalFleet<M> {
     }
 
     fn frames(&self) -> Vec<Frames> {
-        // Here time waits for everybody.
+        // In virtual time no agent misses a frame.
         let frames = |&shown| Frames { shown, ..Frames::default() };
         self.shown.iter().map(frames).collect()
     }

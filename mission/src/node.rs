@@ -1,8 +1,8 @@
-//! One agent and what surrounds it: its radio and what it has to say.
+//! A node: one agent, and the links to it.
 //!
-//! A node does no I/O. In a mission of one process the engine's own loop drives all nodes; behind a
-//! network each one is driven by a process of its own (`fleet`). Whoever drives it, the same calls
-//! in the same simulated order give the same results.
+//! A node does no I/O. In a mission of one process, [`crate::local`] drives all nodes; in a fleet of processes,
+//! each process drives its own. The same calls in the same simulated order give the same results, in one
+//! process or in many.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use crate::mission::{Detail, Mission};
 use crate::stages;
 use crate::timing::StageTimes;
 
-/// One agent and what surrounds it.
+/// One agent, and the links to it.
 pub struct Node<M: Mission> {
     /// The agent, or what is left of it after a crash.
     pub agent: M::Agent,
@@ -29,9 +29,9 @@ pub struct Node<M: Mission> {
     incarnation: Incarnation,
     is_alive: bool,
     pose: Pose,
-    /// What others send to this agent.
+    /// The links from all other agents to this one.
     links: Links,
-    inbox: Vec<Reception>,
+    received: Vec<Reception>,
     outbox: VecDeque<Transmit>,
     events: Vec<<M::Agent as Agent>::Event>,
     commands: Vec<<M::Agent as Agent>::Command>,
@@ -46,13 +46,13 @@ pub struct Node<M: Mission> {
 pub struct Said {
     /// The sender.
     pub src: AgentId,
-    /// The sender's life.
+    /// The sender's incarnation.
     pub incarnation: Incarnation,
     /// The radio.
     pub channel: ChannelId,
     /// Its number among the sender's messages on that channel.
     pub sequence: u64,
-    /// When it was said.
+    /// When it was sent.
     pub time: SimTime,
     /// Where the sender truly is, `world`, metres.
     pub p_world: [f64; 3],
@@ -60,15 +60,8 @@ pub struct Said {
     pub bytes: Arc<[u8]>,
 }
 
-impl Said {
-    /// What is physical about it.
-    pub fn physical(&self) -> PhysicalHeader {
-        PhysicalHeader { p_world: self.p_world }
-    }
-}
-
 impl<M: Mission> Node<M> {
-    /// The node of an agent in its first life; `links` decide what it hears.
+    /// The node of an agent in its first incarnation; `links` decide which messages it receives.
     pub fn new(mission: &M, id: AgentId, links: Links) -> Self {
         Self {
             agent: mission.agent(id, Incarnation(0)),
@@ -77,7 +70,7 @@ impl<M: Mission> Node<M> {
             is_alive: true,
             pose: Pose::default(),
             links,
-            inbox: Vec::new(),
+            received: Vec::new(),
             outbox: VecDeque::new(),
             events: Vec::new(),
             commands: Vec::new(),
@@ -93,12 +86,12 @@ impl<M: Mission> Node<M> {
         self.is_alive
     }
 
-    /// The agent's life, or its last one.
+    /// The agent's incarnation, or the last one while it is down.
     pub fn incarnation(&self) -> Incarnation {
         self.incarnation
     }
 
-    /// What the links to this agent do.
+    /// The links to this agent.
     pub fn links(&self) -> &Links {
         &self.links
     }
@@ -117,10 +110,10 @@ impl<M: Mission> Node<M> {
         match life {
             None => {
                 self.is_alive = false;
-                self.inbox.clear();
+                self.received.clear();
             }
             Some(incarnation) if !self.is_alive || incarnation != self.incarnation => {
-                self.inbox.clear();
+                self.received.clear();
                 self.incarnation = incarnation;
                 self.agent = mission.agent(self.id, incarnation);
                 self.is_alive = true;
@@ -174,9 +167,9 @@ impl<M: Mission> Node<M> {
     /// Lets arrive what is due at `now`, and the agent handle it and its timeout.
     pub fn run(&mut self, now: SimTime) {
         while let Some(arrival) = self.links.receive(now) {
-            // Nobody is there to read it after a crash.
+            // A crashed agent reads nothing.
             if self.is_alive {
-                self.inbox.push(Reception {
+                self.received.push(Reception {
                     channel: arrival.channel,
                     at: arrival.at,
                     bearing_rad: bearing_rad(&self.pose, arrival.src_p_world),
@@ -188,10 +181,10 @@ impl<M: Mission> Node<M> {
         if !self.is_alive {
             return;
         }
-        let inbox = std::mem::take(&mut self.inbox);
+        let received = std::mem::take(&mut self.received);
         let agent = &mut self.agent;
         let ((), times) = stages::collect(|| {
-            for message in inbox {
+            for message in received {
                 agent.handle_message(now, &message);
             }
             if agent.poll_timeout().is_some_and(|due| due <= now) {

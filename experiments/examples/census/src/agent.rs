@@ -97,6 +97,8 @@ pub struct Counter {
     /// `None` for a ground station.
     camera: Option<CameraModel>,
     settings: Settings,
+    /// By how much its course differs from the middle one, radians.
+    offset_rad: f64,
     count: Count,
     looks: Looks,
     /// Numbers of the next message to all, and of the next answer.
@@ -112,6 +114,7 @@ impl Counter {
         ground: Ground,
         camera: Option<CameraModel>,
         settings: Settings,
+        offset_rad: f64,
     ) -> Self {
         let grid = Grid::covering(&ground, CELL_M);
         let count = Count {
@@ -128,6 +131,7 @@ impl Counter {
             ground,
             camera,
             settings,
+            offset_rad,
             count,
             looks: Looks { grid, frames: vec![0; grid.cells()] },
             next: [0, FIRST_ANSWER],
@@ -165,21 +169,23 @@ impl Counter {
         self.count.sightings.len() > before
     }
 
-    /// Turns towards the middle of the region where the border is near and ahead.
-    fn steer(&mut self) {
+    /// Leaves the start on a course of its own, and turns back where the border is near and ahead.
+    fn steer(&mut self, is_first: bool) {
         let Pose { p_world: [x, y, _], yaw_rad, .. } = self.count.pose;
         let ahead = [yaw_rad.cos(), yaw_rad.sin()];
-        let is_leaving = [x, y]
-            .into_iter()
-            .zip(self.ground.size_m)
-            .zip(ahead)
-            .any(|((p, size), v)| p.abs() > size / 2.0 - self.settings.margin_m && p * v > 0.0);
-        if is_leaving {
-            let home_rad = (-y).atan2(-x);
-            // The shorter way round.
-            let turn_rad = (home_rad - yaw_rad).sin().atan2((home_rad - yaw_rad).cos());
-            self.command = Some(YawCommand { yaw_rad: yaw_rad + turn_rad });
-        }
+        let ends = [x, y].into_iter().zip(self.ground.size_m).zip(ahead);
+        let is_leaving = ends
+            .map(|((p, size), v)| p.abs() > size / 2.0 - self.settings.margin_m && p * v > 0.0)
+            .any(|is_near| is_near);
+        let middle_rad = (-y).atan2(-x);
+        let course_rad = match (is_first, is_leaving) {
+            (true, _) => yaw_rad + self.offset_rad,
+            (false, true) => middle_rad + self.offset_rad / 2.0,
+            (false, false) => return,
+        };
+        // The shorter way round.
+        let turn_rad = (course_rad - yaw_rad).sin().atan2((course_rad - yaw_rad).cos());
+        self.command = Some(YawCommand { yaw_rad: yaw_rad + turn_rad });
     }
 
     /// Everything that the agent counted, as a message.
@@ -214,13 +220,13 @@ impl Agent for Counter {
     fn handle_frame(&mut self, now: SimTime, frame: &Frame) {
         (self.count.step, self.count.pose) = (frame.step, frame.pose);
         let Some(camera) = self.camera else { return };
-        self.count.has_looked = true;
+        let is_first = !std::mem::replace(&mut self.count.has_looked, true);
         if self.count(frame, &camera) && self.settings.share {
             let message = self.message(now, self.next[0]);
             self.next[0] += 1;
             self.outbox.push_back(message);
         }
-        self.steer();
+        self.steer(is_first);
     }
 
     fn handle_step(&mut self, _: SimTime, step: Step, pose: Pose) {

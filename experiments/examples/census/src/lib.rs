@@ -38,13 +38,15 @@ use agent::Count;
 pub struct Settings {
     /// How near to the border a UAV turns back, metres.
     pub margin_m: f64,
+    /// The angle between the courses of one UAV and the next, degrees.
+    pub spread_deg: f64,
     /// Whether the UAVs tell each other what they counted.
     pub share: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { margin_m: 50.0, share: true }
+        Self { margin_m: 50.0, spread_deg: 25.0, share: true }
     }
 }
 
@@ -79,7 +81,7 @@ impl Offered for Census {
         }
     }
 
-    /// Types and names are judged already. What is left: a margin that leaves room to fly.
+    /// Types and names are judged already. What is left: a margin that leaves room to fly, and an angle.
     fn judge_scenario(scenario: &Scenario) -> Vec<Issue> {
         let Tables { census: Settings { margin_m, .. } } = scenario.own();
         let [width_m, depth_m] = scenario.map.size_m;
@@ -111,9 +113,11 @@ impl Mission for Census {
     const LAYERS: &'static [Style] = picture::LAYERS;
 
     fn agent(&self, id: AgentId, incarnation: Incarnation) -> Counter {
-        let Self { run, ground, camera, settings, .. } = *self;
-        let camera = (id.0 < self.uavs).then_some(camera);
-        Counter::new(Identity { run, id, incarnation }, ground, camera, settings)
+        let Self { run, uavs, ground, camera, settings } = *self;
+        let camera = (id.0 < uavs).then_some(camera);
+        let places = f64::from(id.0) - f64::from(uavs - 1) / 2.0;
+        let offset_rad = (places * settings.spread_deg).to_radians();
+        Counter::new(Identity { run, id, incarnation }, ground, camera, settings, offset_rad)
     }
 
     fn camera(&self, id: AgentId) -> Option<CameraModel> {

@@ -92,7 +92,7 @@ fn keys_of_the_census_have_effects() {
         "the scenario's values"
     );
     assert_ne!(digest(&["census.share=false"]), usual);
-    // The census turns sooner.
+    assert_ne!(digest(&["census.spread_deg=60"]), usual);
     assert_ne!(digest(&["census.margin_m=95"]), usual);
 }
 
@@ -107,6 +107,7 @@ fn mistakes_are_told_with_their_places() {
     };
     for (set, expected) in [
         ("census.margin_m=100", "`census.margin_m` cannot be 100"),
+        ("census.spread_deg=-1", "`census.spread_deg` cannot be -1"),
         ("census.margin=10", "unknown key `margin` in [census]"),
         ("census.share=1", "`census.share` cannot be 1"),
         ("guidance.kappa=1", "`guidance` belongs to the mission `set-membership`"),
