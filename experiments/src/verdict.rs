@@ -60,7 +60,7 @@ fn words_of<'a>(mission: &str, promise: &'a str) -> &'a str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::summary::tests::sample;
+    use crate::testing::summary as sample;
 
     fn judge(violations: u64, interrupted: bool) -> Verdict {
         let summary = Summary { violations, interrupted, ..sample() };

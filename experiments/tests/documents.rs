@@ -144,7 +144,9 @@ fn cited(source: &str) -> Vec<(usize, &str)> {
 fn files_that_comments_cite_exist() {
     let mut complaints = Vec::new();
     let mut count = 0;
-    for krate in ["agent", "experiments", "mission", "netem", "peer", "proto", "tests", "world"] {
+    for krate in
+        ["agent", "experiments", "flight", "mission", "netem", "peer", "proto", "tests", "world"]
+    {
         let home = root().join(krate);
         for path in sources(&home) {
             let source = read(&path);

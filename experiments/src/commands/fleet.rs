@@ -10,9 +10,10 @@ use crate::flight::RunOptions;
 use crate::logs::Logs;
 use crate::process::agent;
 use crate::process::spawn::{self, SpawnArguments, SpawnError};
-use crate::process::world::{WorldArguments, WorldError};
+use crate::process::world::WorldArguments;
 use crate::run_folder::RunFolder;
 use crate::verdict::{BAD_INPUT, DONE, INTERRUPTED};
+use crate::world::{WorldError, WorldOptions};
 use csat_peer::agent::{AgentError, EndedBy};
 use csat_peer::arguments::AgentArguments;
 use csat_peer::parent_death;
@@ -65,9 +66,10 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
             return Ok(BAD_INPUT);
         }
     };
+    let world = WorldOptions { pace: &arguments.pace, wire: &wire, restarts: arguments.restarts };
     let code = super::record(run, logs, &options, |mission, flight| {
         let folder = flight.recorder.partial_folder().to_owned();
-        let flown = mission.fly_fleet(&session, arguments, flight);
+        let flown = mission.fly_fleet(&session, world, flight);
         // Above all when the fleet failed: they tell why.
         let logs = agents_logs.as_ref().map_or(Ok(()), |from| adopt(from, &folder));
         let flown = match flown {

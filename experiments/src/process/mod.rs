@@ -2,12 +2,10 @@
 //!
 //! | module | what it is |
 //! |---|---|
-//! | [`world`] | the process of the world: town, cars, cameras, monitor, recorder |
+//! | [`world`] | the command line of the process of the world |
 //! | [`agent`] | the process of one agent |
-//! | [`truth`] | what the world shows to people |
 //! | [`spawn`] | starts the world and the agents, and ends them all |
 
 pub mod agent;
 pub mod spawn;
-pub mod truth;
 pub mod world;

@@ -163,7 +163,7 @@ pub(crate) mod tests {
             let level = first.map_or(0.0, |f| 30.0 - 4.0 * f as f64);
             let noise = (run.seed as f64 * 2.7 + number as f64).sin();
             let mut summary =
-                Summary { violations: u64::from(number == 5), ..crate::summary::tests::sample() };
+                Summary { violations: u64::from(number == 5), ..crate::testing::summary() };
             let all_s = (number % 7 != 3).then_some(100.0 + 5.0 * level + 20.0 * noise);
             let error_m = (number % 11 != 4).then_some(2.0 + noise);
             summary.numbers.set("all_identified_s", all_s);

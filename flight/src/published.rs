@@ -172,7 +172,7 @@ pub struct Radius {
 
 /// All published numbers.
 pub fn reference() -> Reference {
-    let text = include_str!("../reference/thesis.toml");
+    let text = include_str!("../../experiments/reference/thesis.toml");
     toml::from_str(text).expect("the embedded table is read by a test")
 }
 

@@ -10,12 +10,12 @@ use serde::de::DeserializeOwned;
 use zenoh::Session;
 
 use crate::flight::{self, RunOptions};
-use crate::process::world::{self, WorldArguments, WorldError};
 use crate::record::{Outcome, RecordError, Recorder};
 use crate::scenario::validate::Issue;
 use crate::scenario::{Loaded, Scenario};
 use crate::set_membership::SetMembership;
 use crate::show::recording::Recording;
+use crate::world::{self, WorldError, WorldOptions};
 
 /// A mission that scenarios can ask for.
 pub trait Offered: Mission {
@@ -59,7 +59,7 @@ pub trait Flyable: Sync {
     fn fly_fleet(
         &self,
         session: &Session,
-        arguments: &WorldArguments,
+        world: WorldOptions<'_>,
         flight: Request<'_>,
     ) -> Result<Flown, WorldError>;
 
@@ -134,13 +134,12 @@ impl<M: Offered> Flyable for Entry<M> {
     fn fly_fleet(
         &self,
         session: &Session,
-        arguments: &WorldArguments,
+        world: WorldOptions<'_>,
         flight: Request<'_>,
     ) -> Result<Flown, WorldError> {
         let mut recording = recording::<M>(&flight)?;
         let Request { loaded, options, recorder, .. } = flight;
-        let outcome =
-            world::fly::<M>(session, arguments, loaded, options, recorder, &mut recording)?;
+        let outcome = world::fly::<M>(session, world, loaded, options, recorder, &mut recording)?;
         let recorded_bytes = recording.map(Recording::finish).transpose()?;
         Ok(Flown { outcome, recorded_bytes })
     }

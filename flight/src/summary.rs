@@ -284,62 +284,9 @@ impl Messages {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
-
-    /// A summary with something in every field.
-    pub(crate) fn sample() -> Summary {
-        let (mut numbers, mut last) = (Numbers::default(), Numbers::default());
-        numbers.push_count("identified", Some(8.0));
-        numbers.push("all_identified_s", Some(93.5));
-        let values = [
-            ("unexplored_pct", Some(21.5), Some(20.0)),
-            ("hidden_pct", Some(3.25), Some(3.0)),
-            ("explored_pct", Some(0.0), Some(0.0)),
-            ("footprint_pct", Some(0.0), Some(0.0)),
-            ("ground_seen_pct", Some(0.0), Some(0.0)),
-            ("localization_error_m", None, None),
-            ("target_radius_m", None, None),
-            ("oem_iou_pct", Some(74.0), None),
-        ];
-        for (key, half, end) in values {
-            numbers.push(key, half);
-            last.push(key, end);
-        }
-        Summary {
-            mission: first_kind(),
-            scenario: "city".into(),
-            seed: 7,
-            agents: 4,
-            targets: 8,
-            thesis_setting: true,
-            steps: 600,
-            interrupted: false,
-            violations: 0,
-            checks: 49_000,
-            unchecked: 0,
-            checked: CheckCounts::default(),
-            inconsistencies: 0,
-            numbers,
-            last,
-            stations: Vec::new(),
-            frames: vec![Frames { shown: 601, ..Frames::default() }; 4],
-            refused: BTreeMap::new(),
-            messages: Messages {
-                sent: 12,
-                delivered: 9,
-                dropped: BTreeMap::from([("range".to_owned(), 3)]),
-                duplicated: 0,
-                ..Messages::default()
-            },
-            bytes_sent: 1_234_567,
-            timing_ms: TimingSummary::default(),
-            wall_s: 12.5,
-            sim_s: 300.0,
-            realtime_factor: 24.0,
-            digest: "00000000deadbeef".into(),
-        }
-    }
+    use crate::testing::summary as sample;
 
     /// docs/outputs.md; whoever reads summaries relies on these names.
     #[test]

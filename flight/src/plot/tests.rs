@@ -203,7 +203,7 @@ fn sample_summary() -> Summary {
         agents: 4,
         targets: 8,
         sim_s: 300.0,
-        ..crate::summary::tests::sample()
+        ..crate::testing::summary()
     }
 }
 

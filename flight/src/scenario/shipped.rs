@@ -21,18 +21,36 @@ impl Shipped {
 
 /// Every shipped scenario; the first is the default.
 pub const SCENARIOS: [Shipped; 7] = [
-    Shipped { name: "city", text: include_str!("../../scenarios/city.toml") },
-    Shipped { name: "city-range100", text: include_str!("../../scenarios/city-range100.toml") },
-    Shipped { name: "city-bursty", text: include_str!("../../scenarios/city-bursty.toml") },
-    Shipped { name: "city-slow", text: include_str!("../../scenarios/city-slow.toml") },
-    Shipped { name: "city-storm", text: include_str!("../../scenarios/city-storm.toml") },
-    Shipped { name: "helsinki-05", text: include_str!("../../scenarios/helsinki-05.toml") },
-    Shipped { name: "helsinki-17", text: include_str!("../../scenarios/helsinki-17.toml") },
+    Shipped { name: "city", text: include_str!("../../../experiments/scenarios/city.toml") },
+    Shipped {
+        name: "city-range100",
+        text: include_str!("../../../experiments/scenarios/city-range100.toml"),
+    },
+    Shipped {
+        name: "city-bursty",
+        text: include_str!("../../../experiments/scenarios/city-bursty.toml"),
+    },
+    Shipped {
+        name: "city-slow",
+        text: include_str!("../../../experiments/scenarios/city-slow.toml"),
+    },
+    Shipped {
+        name: "city-storm",
+        text: include_str!("../../../experiments/scenarios/city-storm.toml"),
+    },
+    Shipped {
+        name: "helsinki-05",
+        text: include_str!("../../../experiments/scenarios/helsinki-05.toml"),
+    },
+    Shipped {
+        name: "helsinki-17",
+        text: include_str!("../../../experiments/scenarios/helsinki-17.toml"),
+    },
 ];
 
 const MAPS: [(&str, &str); 2] = [
-    ("helsinki-05.geojson", include_str!("../../maps/helsinki-05.geojson")),
-    ("helsinki-17.geojson", include_str!("../../maps/helsinki-17.geojson")),
+    ("helsinki-05.geojson", include_str!("../../../experiments/maps/helsinki-05.geojson")),
+    ("helsinki-17.geojson", include_str!("../../../experiments/maps/helsinki-17.geojson")),
 ];
 
 /// What `map.file` begins with when it names a map inside the program.

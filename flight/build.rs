@@ -19,7 +19,8 @@ fn main() {
             watch(&path);
         }
     }
-    for package in ["proto", "netem", "world", "agent", "mission", "peer", "experiments"] {
+    for package in ["proto", "netem", "world", "agent", "mission", "peer", "flight", "experiments"]
+    {
         watch(&format!("../{package}/src"));
     }
 }

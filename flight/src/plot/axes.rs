@@ -3,7 +3,7 @@
 use svg::node::element::{Group, Path};
 
 use super::canvas::{Panel, group, round, text};
-use crate::report::axis::{short, step};
+use crate::ticks::{short, step};
 
 /// Room for the labels left of a panel and below it, pixels.
 pub const LEFT_PX: f64 = 44.0;
