@@ -16,7 +16,7 @@ use csat_world::world::World;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::missions::Offered;
+use crate::scenario::missions::Offered;
 use crate::passages::{LinkRow, passage_lines};
 use crate::record::{Outcome, RecordError, Recorder};
 use crate::scenario::{Loaded, Scenario};

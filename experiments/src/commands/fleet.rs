@@ -6,14 +6,16 @@ use std::sync::atomic::Ordering;
 
 use anyhow::Context;
 
+use crate::cli::fleet::{SpawnArguments, WorldArguments};
 use crate::flight::RunOptions;
 use crate::logs::Logs;
-use crate::process::agent;
-use crate::process::spawn::{self, SpawnArguments, SpawnError};
-use crate::process::world::{WorldArguments, WorldError};
+use crate::missions;
+use crate::process::spawn::{self, SpawnError};
+use crate::process::world::WorldError;
 use crate::run_folder::RunFolder;
+use crate::tools::doctor;
 use crate::verdict::{BAD_INPUT, DONE, INTERRUPTED};
-use csat_peer::agent::{AgentError, EndedBy};
+use csat_peer::agent::{self, AgentError, EndedBy};
 use csat_peer::arguments::AgentArguments;
 use csat_peer::parent_death;
 use csat_peer::tell;
@@ -96,7 +98,9 @@ pub fn agent(arguments: &AgentArguments, logs: &Logs) -> anyhow::Result<u8> {
         let file = File::options().create(true).append(true).open(path);
         logs.attach(file.with_context(|| format!("cannot write to `{}`", path.display()))?);
     }
-    match agent::fly(arguments) {
+    let role = Role::Agent(arguments.id);
+    let why = |session: &_| doctor::why_no_world(session, &arguments.wire, role);
+    match agent::join(arguments, why, missions::take_part) {
         Ok(_) => Ok(DONE),
         Err(AgentError::Ended(EndedBy::Signal)) => Ok(INTERRUPTED),
         Err(error @ (AgentError::Wire(_) | AgentError::Refused { .. })) => {

@@ -1,7 +1,7 @@
 //! A comparison for people.
 
 use super::{Comparison, Kind, Number, Part};
-use crate::missions;
+use crate::scenario::missions;
 use crate::report::axis::short;
 use crate::report::shapes::rounded;
 use crate::sweep::metric::metrics_of;

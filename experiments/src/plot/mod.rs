@@ -23,7 +23,7 @@ pub mod town;
 use std::path::{Path, PathBuf};
 
 use crate::metrics_file;
-use crate::missions;
+use crate::scenario::missions;
 use crate::run_folder::{FolderError, PartialFile};
 use crate::summary::Summary;
 use crate::view::View;

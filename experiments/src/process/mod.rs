@@ -3,11 +3,9 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`world`] | the process of the world: town, cars, cameras, monitor, recorder |
-//! | [`agent`] | the process of one agent |
 //! | [`truth`] | what the world shows to people |
 //! | [`spawn`] | starts the world and the agents, and ends them all |
 
-pub mod agent;
 pub mod spawn;
 pub mod truth;
 pub mod world;

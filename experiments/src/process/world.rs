@@ -1,49 +1,22 @@
 //! The process of the world: town, cars and cameras, and the observers of the agents.
 
-use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use clap::Args;
 use csat_proto::control::{PROTOCOL, Pace, Welcome};
 use csat_proto::ids::RunId;
 use csat_proto::keys::Keys;
 use zenoh::{Session, Wait};
 
 use super::truth::TruthPublisher;
-use crate::cli::RunArguments;
+use crate::cli::fleet::WorldArguments;
 use crate::flight::{self, Audience, FlightError, RunOptions};
-use crate::missions::Offered;
 use crate::record::{Outcome, RecordError, Recorder};
 use crate::scenario::Loaded;
+use crate::scenario::missions::Offered;
 use csat_mission::timing::Stopwatch;
-use csat_peer::arguments::PaceArguments;
 use csat_peer::process_number;
-use csat_peer::wire::session::WireArguments;
 use csat_peer::world::{FleetError, RemoteFleet};
-
-/// `csat world`.
-#[derive(Debug, Clone, Args)]
-pub struct WorldArguments {
-    /// What to fly and where to write it down.
-    #[command(flatten)]
-    pub run: RunArguments,
-    /// How time passes and how long to wait.
-    #[command(flatten)]
-    pub pace: PaceArguments,
-    /// Where to listen and connect.
-    #[command(flatten)]
-    pub wire: WireArguments,
-    /// End when standard input ends, as it does when the parent process ends
-    #[arg(long, hide = true)]
-    pub end_with_parent: bool,
-    /// Agents' processes that end are started again: wait for one when none is left
-    #[arg(long, hide = true)]
-    pub restarts: bool,
-    /// A folder with the agents' logs, to be moved into the run folder at the end
-    #[arg(long, hide = true, value_name = "DIR")]
-    pub logs: Option<PathBuf>,
-}
 
 /// How long the process looks for another world of the same run.
 const LOOK: Duration = Duration::from_secs(2);

@@ -7,7 +7,9 @@ use csat_world::track::{Row, TrackError, Tracks, Waypoint};
 
 use super::mistake::Mistake;
 use super::source::{Place, Site, Source, Sources};
-use super::{Scenario, map_file, tree};
+use super::map_file;
+use super::model::Scenario;
+use super::tree;
 
 /// The columns of a file of tracks, in any order.
 pub const COLUMNS: [&str; 4] = ["target", "time_s", "x_m", "y_m"];

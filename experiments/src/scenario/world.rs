@@ -10,7 +10,8 @@ use super::map_file::MapText;
 use super::mistake::Mistake;
 use super::source::{Place, Sources};
 use super::tracks_file::TracksText;
-use super::{Scenario, tree};
+use super::model::Scenario;
+use super::tree;
 
 /// The files that a scenario names.
 #[derive(Debug, Clone, Copy)]
