@@ -10,7 +10,7 @@
 //! | [`report`] | pages with plots that need nothing but themselves |
 //! | [`logs`] | what programs print while they fly |
 //! | [`watch`] | a live map in the browser |
-//! | [`process`] | a fleet of processes: world, agents, and what spawns them |
+//! | [`spawn`] | starts the world and the agents as processes, and ends them all |
 //! | [`tools`] | looking at a fleet from a terminal: `csat echo`, `csat doctor` |
 //! | [`verdict`] | exit codes |
 
@@ -36,9 +36,9 @@ pub mod cli;
 mod commands;
 pub mod compare;
 pub mod logs;
-pub mod process;
 pub mod report;
 pub mod reproduce;
+pub mod spawn;
 pub mod sweep;
 #[cfg(test)]
 #[path = "../../flight/src/testing.rs"]

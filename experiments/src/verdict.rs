@@ -4,7 +4,7 @@ use std::path::Path;
 
 use csat_world::truth::Promise;
 
-use crate::missions::kind;
+use crate::scenario::missions::kind;
 use crate::summary::Summary;
 
 /// All is well.

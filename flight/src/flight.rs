@@ -16,9 +16,9 @@ use csat_world::world::World;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::missions::Offered;
 use crate::passages::{LinkRow, passage_lines};
 use crate::record::{Outcome, RecordError, Recorder};
+use crate::scenario::missions::Offered;
 use crate::scenario::{Loaded, Scenario};
 use crate::summary::Messages;
 use crate::view::Building;

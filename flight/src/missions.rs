@@ -1,51 +1,20 @@
-//! The kinds of missions that this program flies: a list, and what the commands ask of each.
+//! The missions that this program flies: the list, and how each is flown.
 
-use std::marker::PhantomData;
 use std::sync::OnceLock;
 
-use csat_mission::mission::{Kind, Mission};
 use csat_peer::agent::{AgentError, Setup, Welcomed};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use zenoh::Session;
 
 use crate::flight::{self, RunOptions};
 use crate::record::{Outcome, RecordError, Recorder};
-use crate::scenario::validate::Issue;
-use crate::scenario::{Loaded, Scenario};
+pub use crate::scenario::missions::{Entry, Listed, Offered};
+use crate::scenario::{self, Loaded, Scenario};
 use crate::set_membership::SetMembership;
 use crate::show::recording::Recording;
 use crate::world::{self, WorldError, WorldOptions};
 
-/// A mission that scenarios can ask for.
-pub trait Offered: Mission {
-    /// Its own tables of a scenario: a struct with a field for each top-level table, and defaults.
-    type Tables: Default + Serialize + DeserializeOwned;
-
-    /// The mission of a scenario. The scenario has been judged.
-    fn of(scenario: &Scenario) -> Self;
-
-    /// What is wrong with a scenario of this mission: what no other judge of scenarios knows.
-    fn judge_scenario(scenario: &Scenario) -> Vec<Issue>;
-}
-
-/// A kind of mission, for commands that do not know its types.
-pub trait Flyable: Sync {
-    /// What is known of it without flying it.
-    fn kind(&self) -> &'static Kind;
-
-    /// Its own tables of a scenario, with their defaults.
-    fn tables(&self) -> toml::Table;
-
-    /// Whether its own tables can be read.
-    ///
-    /// # Errors
-    /// The first mistake of type or name.
-    fn check_tables(&self, tables: toml::Table) -> Result<(), toml::de::Error>;
-
-    /// What is wrong with a scenario of this mission.
-    fn judge_scenario(&self, scenario: &Scenario) -> Vec<Issue>;
-
+/// A mission that can be flown, for commands that do not know its types.
+pub trait Flyable: Listed {
     /// Flies a mission in this process.
     ///
     /// # Errors
@@ -90,39 +59,7 @@ pub struct Flown {
     pub recorded_bytes: Option<u64>,
 }
 
-/// The entry of a mission in the list.
-pub struct Entry<M>(PhantomData<fn() -> M>);
-
-impl<M: Offered> Entry<M> {
-    /// The entry of mission `M`.
-    pub const fn new() -> Self {
-        Self(PhantomData)
-    }
-}
-
-impl<M: Offered> Default for Entry<M> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl<M: Offered> Flyable for Entry<M> {
-    fn kind(&self) -> &'static Kind {
-        &M::KIND
-    }
-
-    fn tables(&self) -> toml::Table {
-        toml::Table::try_from(M::Tables::default()).expect("defaults are TOML")
-    }
-
-    fn check_tables(&self, tables: toml::Table) -> Result<(), toml::de::Error> {
-        tables.try_into::<M::Tables>().map(drop)
-    }
-
-    fn judge_scenario(&self, scenario: &Scenario) -> Vec<Issue> {
-        M::judge_scenario(scenario)
-    }
-
     fn fly(&self, flight: Request<'_>) -> Result<Flown, RecordError> {
         let mut recording = recording::<M>(&flight)?;
         let Request { loaded, options, recorder, .. } = flight;
@@ -165,7 +102,7 @@ fn recording<M: Offered>(flight: &Request<'_>) -> Result<Option<Recording<M>>, R
     record_period_s.map(create).transpose()
 }
 
-/// The list of a program: the first is that of a scenario that names none.
+/// The list of a program. A scenario that names no mission is one of `set-membership`, else of the first one.
 pub type Missions = &'static [&'static dyn Flyable];
 
 /// What `csat` flies.
@@ -176,30 +113,25 @@ static INSTALLED: OnceLock<Missions> = OnceLock::new();
 /// Makes `missions` the list of this program. The first call counts; without one it is [`SHIPPED`].
 pub fn install(missions: Missions) {
     let _ = INSTALLED.set(missions);
+    scenario::missions::install(missions.iter().map(|mission| *mission as &dyn Listed).collect());
 }
 
-/// The list of this program.
-pub fn all() -> Missions {
-    INSTALLED.get_or_init(|| SHIPPED)
+/// The mission of a scenario, to fly it.
+pub fn of(scenario: &Scenario) -> Option<&'static dyn Flyable> {
+    let missions = INSTALLED.get_or_init(|| SHIPPED);
+    missions.iter().copied().find(|mission| mission.kind().name == scenario.mission)
 }
 
-/// A mission by its name.
-pub fn find(name: &str) -> Option<&'static dyn Flyable> {
-    all().iter().copied().find(|mission| mission.kind().name == name)
-}
-
-/// The names of all missions, for people.
-pub fn names() -> String {
-    let names = all().iter().map(|mission| format!("`{}`", mission.kind().name));
-    names.collect::<Vec<_>>().join(", ")
-}
-
-/// The kind of a mission by its name.
-pub fn kind(name: &str) -> Option<&'static Kind> {
-    find(name).map(Flyable::kind)
-}
-
-/// The name of the mission of a scenario that names none.
-pub fn first() -> &'static str {
-    all()[0].kind().name
+/// Drives one agent of the mission that the world's scenario describes, until the mission is over. Gives the
+/// reason why it is.
+///
+/// # Errors
+/// When the process cannot take part, or not go on.
+pub fn take_part(welcomed: Welcomed<'_>) -> Result<String, AgentError> {
+    let scenario = Scenario::from_toml(&welcomed.welcome.scenario)
+        .map_err(|error| AgentError::Scenario(error.into()))?;
+    let mission = of(&scenario).ok_or_else(|| {
+        AgentError::Mission(scenario.mission.clone(), scenario::missions::names())
+    })?;
+    mission.take_part(welcomed, scenario)
 }

@@ -71,7 +71,7 @@ fn describe(kind: &Kind, point: &Point, factor: f64, targets: u16, violations: u
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::missions::kind;
+    use crate::scenario::missions::kind;
     use csat_mission::measures::in_order;
 
     #[test]

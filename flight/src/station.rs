@@ -51,7 +51,7 @@ impl StationSummary {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::missions::kind;
+    use crate::scenario::missions::kind;
 
     /// A station that hears one message in six.
     pub(crate) fn sample() -> StationSummary {

@@ -8,7 +8,7 @@ use csat_world::truth::CheckCounts;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::missions::kind;
+use crate::scenario::missions::kind;
 use crate::station::StationSummary;
 use crate::timing::TimingSummary;
 use crate::values::Numbers;

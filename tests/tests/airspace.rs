@@ -3,7 +3,7 @@
 use csat_agent::config::Criterion;
 use csat_agent::guidance::airspace::Airspace;
 use csat_experiments::scenario::{Request, Scenario, load};
-use csat_experiments::set_membership::{SetMembership, agent_config};
+use csat_experiments::set_membership::SetMembership;
 use csat_proto::camera::Pose;
 use csat_proto::ids::AgentId;
 use csat_proto::model::FLIGHT_CLEARANCE_M;
@@ -35,7 +35,7 @@ fn no_building_reaches_into_airspace_that_was_seen_to_be_free() {
         let walls = Walls::new(world.obstacles());
         let mut renderer = Renderer::new(scenario.camera);
         for _ in 0..4 {
-            let mut airspace = Airspace::new(&agent_config(&scenario)).unwrap();
+            let mut airspace = Airspace::new(&scenario.agent_config()).unwrap();
             let [x, y] = [0; 2].map(|_| rng.random_range(-95.0..95.0));
             let [z, yaw_rad] = [rng.random_range(15.0..80.0), rng.random_range(-4.0..4.0)];
             let [pitch_rad, roll_rad] = [0; 2].map(|_| rng.random_range(-0.3..0.3));

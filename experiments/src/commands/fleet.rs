@@ -6,15 +6,16 @@ use std::sync::atomic::Ordering;
 
 use anyhow::Context;
 
+use crate::cli::fleet::{SpawnArguments, WorldArguments};
 use crate::flight::RunOptions;
 use crate::logs::Logs;
-use crate::process::agent;
-use crate::process::spawn::{self, SpawnArguments, SpawnError};
-use crate::process::world::WorldArguments;
+use crate::missions;
 use crate::run_folder::RunFolder;
+use crate::spawn::{self, SpawnError};
+use crate::tools::doctor;
 use crate::verdict::{BAD_INPUT, DONE, INTERRUPTED};
 use crate::world::{WorldError, WorldOptions};
-use csat_peer::agent::{AgentError, EndedBy};
+use csat_peer::agent::{self, AgentError, EndedBy};
 use csat_peer::arguments::AgentArguments;
 use csat_peer::parent_death;
 use csat_peer::tell;
@@ -98,7 +99,9 @@ pub fn agent(arguments: &AgentArguments, logs: &Logs) -> anyhow::Result<u8> {
         let file = File::options().create(true).append(true).open(path);
         logs.attach(file.with_context(|| format!("cannot write to `{}`", path.display()))?);
     }
-    match agent::fly(arguments) {
+    let role = Role::Agent(arguments.id);
+    let why = |session: &_| doctor::why_no_world(session, &arguments.wire, role);
+    match agent::join(arguments, why, missions::take_part) {
         Ok(_) => Ok(DONE),
         Err(AgentError::Ended(EndedBy::Signal)) => Ok(INTERRUPTED),
         Err(error @ (AgentError::Wire(_) | AgentError::Refused { .. })) => {

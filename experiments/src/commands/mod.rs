@@ -149,7 +149,7 @@ fn record(
             partial.display()
         )
     };
-    let mission = missions::find(&loaded.scenario.mission).expect("it was loaded");
+    let mission = missions::of(&loaded.scenario).expect("it was loaded");
     let record_period_s = arguments.record;
     let flight = missions::Request { loaded, options, recorder: &mut recorder, record_period_s };
     let Some(Flown { outcome, recorded_bytes }) = fly(mission, flight).with_context(incomplete)?

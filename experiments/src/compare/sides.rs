@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::read::{Folder, Run};
 use super::{Comparison, Digests, Kind, Number, Part};
-use crate::missions;
 use crate::scenario::MAP_FILE;
 use crate::scenario::differences::{Difference, differences};
+use crate::scenario::missions;
 use crate::sweep::SweepError;
 use crate::sweep::growth;
 use crate::sweep::manifest::Manifest;

@@ -1,9 +1,9 @@
 //! A comparison for people.
 
 use super::{Comparison, Kind, Number, Part};
-use crate::missions;
 use crate::report::axis::short;
 use crate::report::shapes::rounded;
+use crate::scenario::missions;
 use crate::sweep::metric::metrics_of;
 use csat_mission::words::counted;
 

@@ -76,7 +76,7 @@ impl Hangar<'_> {
         let mut recorder = Recorder::create(&loaded, &RecordOptions { destination, quiet: true })
             .map_err(|e| e.to_string())?;
         let options = RunOptions { interrupted: self.stop.clone() };
-        let mission = missions::find(&loaded.scenario.mission).expect("it was loaded");
+        let mission = missions::of(&loaded.scenario).expect("it was loaded");
         let (options, record_period_s) = (&options, None);
         let flight =
             missions::Request { loaded, options, recorder: &mut recorder, record_period_s };

@@ -5,7 +5,8 @@ use csat_mission::mission::Kind;
 
 use super::record::RunRecord;
 use super::results::Results;
-use crate::{missions, summary};
+use crate::scenario::missions;
+use crate::summary;
 
 /// What is drawn of a run.
 #[derive(Debug, Clone, Copy)]

@@ -23,8 +23,8 @@ pub mod town;
 use std::path::{Path, PathBuf};
 
 use crate::metrics_file;
-use crate::missions;
 use crate::run_folder::{FolderError, PartialFile};
+use crate::scenario::missions;
 use crate::summary::Summary;
 use crate::view::View;
 

@@ -1,9 +1,9 @@
 //! Serde's errors in the words of somebody who writes scenarios.
 
 use super::mistake::{Mistake, did_you_mean};
-use super::read::Unit;
 use super::source::Site;
 use super::tree::{self, Node, Table};
+use super::unit::Unit;
 use super::validate;
 
 /// What deserialising one unit came to.

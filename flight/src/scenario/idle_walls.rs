@@ -3,8 +3,9 @@
 use csat_world::world::World;
 
 use super::mistake::Mistake;
+use super::model::Scenario;
 use super::source::Sources;
-use super::{Scenario, tree};
+use super::tree;
 
 /// A warning for each radio whose `obstruction_db` somebody wrote though no building can come between
 /// two antennas: there are no ground stations, and every UAV flies above every roof.

@@ -7,9 +7,9 @@
 use csat_world::map::{self, MapError};
 use serde::{Deserialize, Serialize};
 
-use super::Scenario;
 use super::explain::expected_type;
-use super::read::default_table;
+use super::model::Scenario;
+use super::unit::default_table;
 use super::validate;
 
 const REFERENCE: &str = include_str!("../../../docs/scenario.md");
@@ -215,7 +215,7 @@ fn expected(defaults: &toml::Table, key: &str, value: toml::Value) -> Option<Str
         _ => None,
     });
     of_town.or_else(|| {
-        let issues = validate::validate(&scenario);
+        let issues = validate::validate(&scenario, validate::of_set_membership(&scenario));
         let own = issues.iter().find(|i| !i.is_warning && i.keys.first().is_some_and(|k| k == key));
         let mistake = &own?.mistake;
         // `netem` says it all in one sentence.

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use csat_world::map::MapKind;
 
-use super::mistake::{Mistake, did_you_mean};
+use super::mistake::{Mistake, did_you_mean, quoted_list};
+use super::model::Scenario;
 use super::source::{Site, Sources};
-use super::{Scenario, quoted_list, shipped, tree};
+use super::{shipped, tree};
 
 /// A map to import.
 #[derive(Debug, Clone, PartialEq, Eq)]

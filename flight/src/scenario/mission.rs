@@ -1,10 +1,10 @@
 //! Which mission a scenario asks for, and which tables it may have: those of other missions are mistakes.
 
+use super::missions::{self, Listed};
 use super::mistake::{Mistake, did_you_mean};
+use super::model::{OF_SET_MEMBERSHIP, SET_MEMBERSHIP};
 use super::source::Sources;
 use super::tree::{self, Kind, Table};
-use super::{OF_SET_MEMBERSHIP, SET_MEMBERSHIP};
-use crate::missions::{self, Flyable};
 
 /// The mission that `tree` names, or the default one. Tables that only other missions know are taken out of
 /// the tree, each with a mistake.
@@ -12,7 +12,7 @@ pub fn choose(
     sources: &Sources,
     tree: &mut Table,
     mistakes: &mut Vec<Mistake>,
-) -> &'static dyn Flyable {
+) -> &'static dyn Listed {
     let mission = named(sources, tree, mistakes);
     let name = mission.kind().name;
     for other in missions::all().iter().filter(|other| other.kind().name != name) {
@@ -28,7 +28,7 @@ pub fn choose(
 }
 
 /// The names of the tables that only one mission knows.
-fn tables_of(mission: &dyn Flyable) -> Vec<String> {
+fn tables_of(mission: &dyn Listed) -> Vec<String> {
     let mut all: Vec<String> = mission.tables().keys().cloned().collect();
     if mission.kind().name == SET_MEMBERSHIP {
         all.extend(OF_SET_MEMBERSHIP.map(str::to_owned));
@@ -36,7 +36,7 @@ fn tables_of(mission: &dyn Flyable) -> Vec<String> {
     all
 }
 
-fn named(sources: &Sources, tree: &mut Table, mistakes: &mut Vec<Mistake>) -> &'static dyn Flyable {
+fn named(sources: &Sources, tree: &mut Table, mistakes: &mut Vec<Mistake>) -> &'static dyn Listed {
     let default = || missions::find(SET_MEMBERSHIP).unwrap_or(missions::all()[0]);
     let Some(node) = tree::exact(tree, "mission") else { return default() };
     let Kind::Leaf(toml::Value::String(name)) = &node.kind else { return default() };

@@ -7,225 +7,39 @@ pub mod camera_check;
 pub mod differences;
 mod explain;
 mod idle_walls;
+mod issue;
 pub mod keys;
 mod map_file;
 mod mission;
+pub mod missions;
 pub mod mistake;
+mod model;
 mod read;
 pub mod set;
+mod set_membership;
 pub mod shipped;
 mod shorthand;
 pub mod source;
 mod trace_file;
 mod tracks_file;
 pub mod tree;
+mod unit;
 pub mod validate;
 mod world;
 
 use std::path::Path;
 
-use csat_agent::config::{ChannelNames, Channels, EstimatorConfig, ExchangeConfig, GuidanceConfig};
-use csat_mission::engine;
 use csat_mission::mission::Kind;
-use csat_netem::config::NetemConfig;
-use csat_netem::link::Links;
-use csat_proto::camera::CameraModel;
-use csat_proto::model::{FleetModel, Ground, Station, TargetsModel};
-use csat_world::map::{LeftOut, MapConfig, MapWarning, by_cause};
-use csat_world::world::{World, WorldConfig, WorldErrors};
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
+use csat_world::map::{LeftOut, MapWarning, by_cause};
+use csat_world::world::World;
 
-use crate::missions::{self, Flyable};
 pub use map_file::MapText;
-pub use mistake::{Mistake, Mistakes, did_you_mean, similar};
+pub use mistake::{Mistake, Mistakes, did_you_mean, quoted_list, similar};
+pub use model::{RunConfig, SET_MEMBERSHIP, Scenario};
 use source::{Place, Source, Sources};
 pub use tracks_file::TracksText;
 use tree::Node;
 use validate::Issue;
-
-/// A mission, in full.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Scenario {
-    /// What the mission is called, so that a run flown again keeps its name; by default the file is
-    /// asked.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub name: String,
-    /// Which mission is flown.
-    pub mission: String,
-    /// What every random stream of the run is derived from.
-    pub seed: u64,
-    /// `[[stations]]`: agents on the ground, numbered after the UAVs.
-    pub stations: Vec<Station>,
-    /// `[run]`.
-    pub run: RunConfig,
-    /// `[map]`: the town.
-    pub map: MapConfig,
-    /// `[targets]`: the cars.
-    pub targets: TargetsModel,
-    /// `[agents]`: the fleet.
-    pub agents: FleetModel,
-    /// `[camera]`.
-    pub camera: CameraModel,
-    /// `[estimator]`.
-    pub estimator: EstimatorConfig,
-    /// `[guidance]`.
-    pub guidance: GuidanceConfig,
-    /// `[exchange]`.
-    pub exchange: ExchangeConfig,
-    /// `[netem]`: what the links do.
-    pub netem: NetemConfig,
-    /// The tables that only the mission of the scenario knows, but for those above.
-    #[serde(skip)]
-    pub own: toml::Table,
-}
-
-impl Default for Scenario {
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            mission: SET_MEMBERSHIP.to_owned(),
-            seed: 1,
-            stations: Vec::new(),
-            run: RunConfig::default(),
-            map: MapConfig::default(),
-            targets: TargetsModel::default(),
-            agents: FleetModel::default(),
-            camera: CameraModel::default(),
-            estimator: EstimatorConfig::default(),
-            guidance: GuidanceConfig::default(),
-            exchange: ExchangeConfig::default(),
-            netem: NetemConfig::default(),
-            own: toml::Table::new(),
-        }
-    }
-}
-
-/// `[run]`: how long.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct RunConfig {
-    /// Simulated seconds.
-    pub duration_s: f64,
-    /// T, seconds between frames.
-    pub period_s: f64,
-}
-
-impl Default for RunConfig {
-    fn default() -> Self {
-        Self { duration_s: 300.0, period_s: 0.5 }
-    }
-}
-
-impl RunConfig {
-    /// The number of steps; step k is at k·T and the last one not later than the duration.
-    pub fn steps(&self) -> u32 {
-        (self.duration_s / self.period_s + 1e-9).floor() as u32
-    }
-}
-
-impl Scenario {
-    /// The number of steps.
-    pub fn steps(&self) -> u32 {
-        self.run.steps()
-    }
-
-    /// Whether it is the mission of the thesis's §5.4 under `str3` with κ = 1, which is the default one,
-    /// whatever the seed and the length.
-    pub fn is_thesis_setting(&self) -> bool {
-        let mut thesis = Self { name: self.name.clone(), seed: self.seed, ..Self::default() };
-        thesis.run.duration_s = self.run.duration_s;
-        thesis.netem.trace = self.netem.trace;
-        *self == thesis
-    }
-
-    /// How many agents there are: UAVs and stations.
-    pub fn agent_count(&self) -> u16 {
-        self.agents.count.saturating_add(u16::try_from(self.stations.len()).unwrap_or(u16::MAX))
-    }
-
-    /// X_g.
-    pub fn ground(&self) -> Ground {
-        Ground { size_m: self.map.size_m }
-    }
-
-    /// Which radio carries what; an unknown name is a mistake, and the first radio here.
-    pub fn channels(&self) -> Channels {
-        let id = |name: &str| self.netem.channel_id(name).unwrap_or_default();
-        let ChannelNames { facts, snapshots, plans } = &self.exchange.channels;
-        Channels { facts: id(facts), snapshots: id(snapshots), plans: id(plans) }
-    }
-
-    /// What the world is made of, but for the tracks, which are in a file of their own.
-    pub fn world_config(&self) -> WorldConfig {
-        WorldConfig {
-            map: self.map.clone(),
-            targets: self.targets.clone(),
-            tracks: None,
-            fleet: self.agents.clone(),
-            stations: self.stations.clone(),
-            camera: self.camera,
-            period_s: self.run.period_s,
-        }
-    }
-
-    /// The scenario in full as TOML; loading it gives an equal scenario.
-    pub fn to_toml(&self) -> String {
-        let mut table = toml::Table::try_from(self).expect("a loaded scenario is TOML");
-        if self.mission != SET_MEMBERSHIP {
-            OF_SET_MEMBERSHIP.iter().for_each(|key| drop(table.remove(*key)));
-        }
-        table.extend(self.own.clone());
-        toml::to_string_pretty(&table).expect("a table is TOML")
-    }
-
-    /// The inverse of [`Self::to_toml`]. It judges nothing but types and names.
-    ///
-    /// # Errors
-    /// When the text is no scenario.
-    pub fn from_toml(text: &str) -> Result<Self, toml::de::Error> {
-        let mut table: toml::Table = toml::from_str(text)?;
-        let mission = table.get("mission").and_then(toml::Value::as_str).unwrap_or_default();
-        let known = missions::find(mission).map(Flyable::tables).unwrap_or_default();
-        let own = known.keys().filter_map(|key| table.remove_entry(key)).collect();
-        Ok(Self { own, ..table.try_into()? })
-    }
-
-    /// The mission's own tables.
-    ///
-    /// # Panics
-    /// When they cannot be read: those of a loaded scenario can.
-    pub fn own<T: DeserializeOwned>(&self) -> T {
-        self.own.clone().try_into().expect("the tables of a loaded scenario have been read")
-    }
-
-    /// The links to an agent, with the buildings that stand in their way.
-    ///
-    /// # Errors
-    /// When there is no such world.
-    pub fn links(&self, map: Option<&str>) -> Result<Links, WorldErrors> {
-        let obstruction = if self.netem.has_propagation() {
-            let mut config = self.world_config();
-            // Buildings only: an agent knows neither the cars nor their tracks.
-            config.targets.count = 0;
-            let world = match map {
-                Some(text) => World::from_geojson(&config, text, self.seed),
-                None => World::new(&config, self.seed),
-            };
-            engine::obstruction(&self.netem, &world?)
-        } else {
-            None
-        };
-        Ok(Links::new(&self.netem, self.seed, obstruction))
-    }
-}
-
-/// The mission of a scenario that names none.
-pub const SET_MEMBERSHIP: &str = "set-membership";
-
-/// The tables that only the set-membership mission knows.
-const OF_SET_MEMBERSHIP: [&str; 3] = ["estimator", "guidance", "exchange"];
 
 /// What to load.
 #[derive(Debug, Clone, Copy, Default)]
@@ -344,7 +158,7 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
     let tracks = tracks_file::resolve(&mut scenario, &mut sources, &tree, &mut mistakes);
     let mut warnings = Vec::new();
     let mut judged = Vec::new();
-    for issue in validate::validate(&scenario) {
+    for issue in validate::validate(&scenario, mission.judge_scenario(&scenario)) {
         let mistake = blame(&issue, &sources, &tree);
         if issue.is_warning {
             warnings.push(mistake);
@@ -448,10 +262,6 @@ fn json_as_scenario(source: &Source) -> Option<Mistake> {
 
 fn stem(name: &str) -> String {
     Path::new(name).file_stem().map_or_else(|| name.to_owned(), |s| s.to_string_lossy().into())
-}
-
-fn quoted_list(names: impl Iterator<Item = &'static str>) -> String {
-    names.map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

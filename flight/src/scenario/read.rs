@@ -5,19 +5,20 @@
 
 use serde::Deserialize;
 
-use super::Scenario;
 use super::explain::{Failure, explain};
+use super::missions::{self, Listed};
 use super::mistake::Mistake;
+use super::model::Scenario;
 use super::source::{Site, Sources};
-use super::tree::{self, Kind, Node, Table};
-use crate::missions::Flyable;
+use super::tree::Table;
+use super::unit::{Unit, collect, default_table};
 
 /// Reads a scenario. Values with mistakes are left at their defaults, so that the rest can still
 /// be judged.
 pub fn read(
     sources: &Sources,
     tree: &Table,
-    mission: &dyn Flyable,
+    mission: &dyn Listed,
     mistakes: &mut Vec<Mistake>,
 ) -> Scenario {
     let form = Form { mission };
@@ -53,6 +54,20 @@ pub fn read(
         mistakes.push(Mistake::new(format!("these values do not fit together: {error}")));
         Scenario::default()
     })
+}
+
+impl Scenario {
+    /// The inverse of [`Self::to_toml`]. It judges nothing but types and names.
+    ///
+    /// # Errors
+    /// When the text is no scenario.
+    pub fn from_toml(text: &str) -> Result<Self, toml::de::Error> {
+        let mut table: toml::Table = toml::from_str(text)?;
+        let mission = table.get("mission").and_then(toml::Value::as_str).unwrap_or_default();
+        let known = missions::find(mission).map(Listed::tables).unwrap_or_default();
+        let own = known.keys().filter_map(|key| table.remove_entry(key)).collect();
+        Ok(Self { own, ..table.try_into()? })
+    }
 }
 
 /// Everything wrong with one unit.
@@ -158,7 +173,7 @@ fn attempt(
 
 /// What a scenario of a mission looks like: the fields that every scenario has, and the mission's own tables.
 struct Form<'a> {
-    mission: &'a dyn Flyable,
+    mission: &'a dyn Listed,
 }
 
 impl Form<'_> {
@@ -176,85 +191,6 @@ impl Form<'_> {
         self.mission.check_tables(own.clone())?;
         Ok(Scenario { own, ..Scenario::deserialize(toml::Value::Table(table))? })
     }
-}
-
-/// The default scenario as plain TOML.
-pub fn default_table() -> toml::Table {
-    toml::Table::try_from(Scenario::default()).expect("the default scenario is TOML")
-}
-
-/// A value that is judged on its own: a leaf, an array, a table that names its `model`, or one
-/// table of an array of tables.
-#[derive(Debug)]
-pub struct Unit<'a> {
-    /// The keys on the way.
-    pub path: Vec<String>,
-    /// Where it is written.
-    pub node: &'a Node,
-    /// What takes the default's place.
-    pub value: toml::Value,
-    /// Whether the default's entries are dropped first.
-    replaces: bool,
-    /// Whether it is one element of an array, to be appended when accepted.
-    is_element: bool,
-}
-
-fn collect<'a>(
-    table: &'a Table,
-    defaults: &toml::Table,
-    path: &mut Vec<String>,
-    units: &mut Vec<Unit<'a>>,
-) {
-    for (key, node) in table {
-        path.push(key.clone());
-        let default = defaults.get(key);
-        let unit = |value, replaces, is_element| Unit {
-            path: path.clone(),
-            node,
-            value,
-            replaces,
-            is_element,
-        };
-        match &node.kind {
-            Kind::Table(inner) if is_tagged(inner, default) => {
-                units.push(unit(toml::Value::Table(tagged(inner, default)), true, false));
-            }
-            Kind::Table(inner)
-                if !inner.is_empty() && !default.is_some_and(toml::Value::is_array) =>
-            {
-                let empty = toml::Table::new();
-                let below = default.and_then(toml::Value::as_table).unwrap_or(&empty);
-                collect(inner, below, path, units);
-            }
-            Kind::Array(elements)
-                if !elements.is_empty()
-                    && elements.iter().all(|e| matches!(e.kind, Kind::Table(_))) =>
-            {
-                for element in elements {
-                    let value = toml::Value::Array(vec![element.to_value()]);
-                    units.push(Unit { node: element, ..unit(value, true, true) });
-                }
-            }
-            _ => units.push(unit(node.to_value(), false, false)),
-        }
-        path.pop();
-    }
-}
-
-fn is_tagged(table: &Table, default: Option<&toml::Value>) -> bool {
-    table.contains_key("model") || default.is_some_and(|d| d.get("model").is_some())
-}
-
-/// A table that names its model, with what it does not say taken from a default of that model.
-fn tagged(table: &Table, default: Option<&toml::Value>) -> toml::Table {
-    let own = tree::to_toml(table);
-    let Some(default) = default.and_then(toml::Value::as_table) else { return own };
-    if own.get("model").is_some_and(|model| default.get("model") != Some(model)) {
-        return own;
-    }
-    let mut all = default.clone();
-    all.extend(own);
-    all
 }
 
 fn apply_accepted(accepted: &mut toml::Table, unit: &Unit<'_>) {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::keys::{Row, Section, sections};
-use super::read::default_table;
+use super::unit::default_table;
 use super::*;
 
 /// A scenario in which the section has a key that nobody knows.

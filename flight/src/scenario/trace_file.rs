@@ -6,8 +6,9 @@ use csat_netem::config::LossConfig;
 use csat_netem::trace::{Trace, TraceError};
 
 use super::mistake::Mistake;
+use super::model::Scenario;
 use super::source::{Site, Source, Sources};
-use super::{Scenario, tree};
+use super::tree;
 
 /// Puts the text of each recording into the scenario in place of its file's name, so that the
 /// resolved scenario needs no other file. A recording that cannot be read is a mistake, and that

@@ -5,9 +5,11 @@ use std::path::Path;
 use csat_proto::ids::TargetId;
 use csat_world::track::{Row, TrackError, Tracks, Waypoint};
 
+use super::map_file;
 use super::mistake::Mistake;
+use super::model::Scenario;
 use super::source::{Place, Site, Source, Sources};
-use super::{Scenario, map_file, tree};
+use super::tree;
 
 /// The columns of a file of tracks, in any order.
 pub const COLUMNS: [&str; 4] = ["target", "time_s", "x_m", "y_m"];

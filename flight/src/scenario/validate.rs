@@ -14,30 +14,11 @@ use csat_proto::model::{Driving, FleetModel, StartPose, TargetsModel};
 use csat_world::map::MapKind;
 
 use super::camera_check::car_coverage;
+pub use super::issue::Issue;
+use super::issue::owned;
 use super::mistake::Mistake;
-use super::{RunConfig, Scenario};
-use crate::missions;
-use crate::set_membership::agent_config;
+use super::model::{RunConfig, Scenario};
 use csat_mission::documents::micro;
-
-/// A value that cannot be.
-#[derive(Debug, Clone)]
-pub struct Issue {
-    /// The keys that it depends on; the place is that of the first one that somebody wrote.
-    pub keys: Vec<String>,
-    /// What to say.
-    pub mistake: Mistake,
-    /// Whether the mission may fly all the same.
-    pub is_warning: bool,
-}
-
-impl Issue {
-    /// A value that is refused; `keys` begins with its own key, and goes on with those that it depends on.
-    pub fn refused(keys: &[&str], got: &str, expected: &str) -> Self {
-        let mistake = Mistake::new(format!("`{}` cannot be {got}", keys[0])).expected(expected);
-        Self { keys: owned(keys), mistake, is_warning: false }
-    }
-}
 
 /// The most sequences of increments that `str1` to `str3` try in a decision.
 const MAX_SEQUENCES: usize = 1_000_000;
@@ -73,12 +54,10 @@ fn limits(key: &str) -> Option<(&'static RangeInclusive<u64>, &'static str)> {
     WHOLE_NUMBERS.iter().find(|(k, ..)| *k == key).map(|(_, range, expected)| (range, *expected))
 }
 
-/// All issues of a scenario.
-pub fn validate(scenario: &Scenario) -> Vec<Issue> {
+/// All issues of a scenario; `own` are those that only its mission knows.
+pub fn validate(scenario: &Scenario, own: Vec<Issue>) -> Vec<Issue> {
     let mut issues = of_any_mission(scenario).0;
-    if let Some(mission) = missions::find(&scenario.mission) {
-        issues.extend(mission.judge_scenario(scenario));
-    }
+    issues.extend(own);
     for (key, what) in scenario.netem.mistakes(scenario.agent_count()) {
         let key = format!("netem.{key}");
         let key = key.trim_end_matches('.');
@@ -124,10 +103,6 @@ pub fn of_set_membership(scenario: &Scenario) -> Vec<Issue> {
 fn with_ancestors(path: &str) -> Vec<String> {
     let ends = path.rmatch_indices(['.', '[']).map(|(end, _)| &path[..end]);
     std::iter::once(path).chain(ends).map(str::to_owned).collect()
-}
-
-fn owned(keys: &[&str]) -> Vec<String> {
-    keys.iter().map(|key| (*key).to_owned()).collect()
 }
 
 struct Check(Vec<Issue>);
@@ -313,7 +288,7 @@ fn room_to_turn(check: &mut Check, scenario: &Scenario) {
         let mistake = Mistake::new(text).expected("kind = \"radio\" with agents.avoid_buildings");
         check.warn(&["netem.outage", "agents.avoid_buildings"], mistake);
     }
-    let room_m = turning_room_m(&agent_config(scenario));
+    let room_m = turning_room_m(&scenario.agent_config());
     let radius_m = scenario.agents.launch_radius_m();
     let increments = &scenario.guidance.increments_deg;
     check.that(

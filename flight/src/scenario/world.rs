@@ -8,9 +8,10 @@ use csat_world::world::{World, WorldError};
 
 use super::map_file::MapText;
 use super::mistake::Mistake;
+use super::model::Scenario;
 use super::source::{Place, Sources};
 use super::tracks_file::TracksText;
-use super::{Scenario, tree};
+use super::tree;
 
 /// The files that a scenario names.
 #[derive(Debug, Clone, Copy)]

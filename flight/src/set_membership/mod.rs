@@ -6,18 +6,14 @@ pub mod layers;
 pub mod measures;
 pub mod report;
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use csat_agent::agent::{Event, SetMembershipAgent};
 use csat_agent::config::AgentConfig;
 use csat_agent::shared_cache::SharedCache;
 use csat_proto::camera::CameraModel;
-use csat_proto::ids::{AgentId, Incarnation, RunId};
+use csat_proto::ids::{AgentId, Incarnation};
 
-use crate::missions::Offered;
-use crate::scenario::Scenario;
-use crate::scenario::validate::{self, Issue};
 use csat_mission::mission::{Detail, Kind, Mission};
 use csat_mission::picture::Layer;
 use csat_mission::style::Style;
@@ -34,46 +30,14 @@ pub struct SetMembership {
 }
 
 impl SetMembership {
-    /// The mission that `scenario` describes.
-    pub fn new(scenario: &Scenario) -> Self {
-        Self { config: agent_config(scenario), cache: Some(Arc::default()) }
+    /// The mission whose first agent is told `config`.
+    pub fn with_config(config: AgentConfig) -> Self {
+        Self { config, cache: Some(Arc::default()) }
     }
 
     /// The same with agents that share no work: the results are the same, too.
     pub fn each_by_itself(self) -> Self {
         Self { cache: None, ..self }
-    }
-}
-
-/// What the first agent of a scenario is told.
-pub fn agent_config(scenario: &Scenario) -> AgentConfig {
-    AgentConfig {
-        run: RunId(scenario.seed),
-        id: AgentId(0),
-        incarnation: Incarnation(0),
-        period_s: scenario.run.period_s,
-        ground: scenario.ground(),
-        targets: scenario.targets.clone(),
-        fleet: scenario.agents.clone(),
-        stations: scenario.agent_count() - scenario.agents.count,
-        camera: scenario.camera,
-        estimator: scenario.estimator,
-        guidance: scenario.guidance.clone(),
-        exchange: scenario.exchange.clone(),
-        channels: scenario.channels(),
-    }
-}
-
-impl Offered for SetMembership {
-    /// Its tables are fields of every scenario.
-    type Tables = BTreeMap<String, ()>;
-
-    fn of(scenario: &Scenario) -> Self {
-        Self::new(scenario)
-    }
-
-    fn judge_scenario(scenario: &Scenario) -> Vec<Issue> {
-        validate::of_set_membership(scenario)
     }
 }
 

@@ -5,66 +5,19 @@
 //! Ctrl-C reaches this process only and the mission ends in order.
 
 mod command;
+mod error;
 mod supervisor;
 
 use std::io;
 use std::net::TcpListener;
-use std::path::PathBuf;
 
-use clap::Args;
-
-use crate::cli::RunArguments;
+use crate::cli::fleet::SpawnArguments;
 use crate::scenario::Loaded;
 use command::Commands;
-use csat_peer::arguments::PaceArguments;
 use csat_peer::wire::config::{DEFAULT_ADDRESS, scheme};
-use csat_peer::wire::session::{self, WireError};
+use csat_peer::wire::session;
+pub use error::SpawnError;
 use supervisor::{Signals, Supervisor};
-
-/// `csat spawn`.
-#[derive(Debug, Clone, Args)]
-pub struct SpawnArguments {
-    /// What to fly and where to write it down.
-    #[command(flatten)]
-    pub run: RunArguments,
-    /// How time passes and how long to wait.
-    #[command(flatten)]
-    pub pace: PaceArguments,
-    /// Start an agent's process again when it ends before the mission
-    #[arg(long)]
-    pub restart: bool,
-    /// Where the world listens [default: tcp/127.0.0.1:7447, or any free port if that is taken]
-    #[arg(long, value_name = "ENDPOINT")]
-    pub listen: Option<String>,
-    /// A Zenoh configuration (JSON5) for all processes, such as TLS and access control
-    #[arg(long, value_name = "FILE")]
-    pub zenoh_config: Option<PathBuf>,
-}
-
-/// Why the processes could not be started or watched.
-#[derive(Debug, thiserror::Error)]
-pub enum SpawnError {
-    /// The Zenoh configuration is not valid.
-    #[error(transparent)]
-    Wire(#[from] WireError),
-    /// The world has no port to listen on.
-    #[error("there is no free port on 127.0.0.1")]
-    Port(#[source] io::Error),
-    /// The agents have no folder for their logs.
-    #[error("there is no temporary folder for logs")]
-    Logs(#[source] io::Error),
-    /// A process does not start.
-    #[error("cannot start `{what}`")]
-    Start {
-        /// The command.
-        what: &'static str,
-        /// The system's reason.
-        source: io::Error,
-    },
-    /// There is no runtime, or no signals.
-    #[error("cannot watch processes")]
-    Watch(#[source] io::Error),
-}
 
 /// Starts a world and all agents of a scenario and stays until all have ended. Returns the world's exit
 /// code.

@@ -12,8 +12,8 @@ use tokio::signal::unix::{self, SignalKind, signal};
 use tokio::sync::watch;
 use tokio::task::JoinSet;
 
-use super::SpawnError;
 use super::command::{Commands, start};
+use super::error::SpawnError;
 use crate::scenario::Scenario;
 use crate::verdict::{FAILED, INTERRUPTED};
 use csat_mission::words::named;

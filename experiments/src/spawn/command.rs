@@ -6,7 +6,8 @@ use std::process::Stdio;
 
 use tokio::process::{Child, Command};
 
-use super::{SpawnArguments, SpawnError};
+use super::error::SpawnError;
+use crate::cli::fleet::SpawnArguments;
 use crate::provenance::spawned_by;
 
 /// Zenoh's threads, all in one: a fleet has many processes and few cores.

@@ -1,4 +1,4 @@
-//! The command line of the world's process.
+//! How to fly a fleet of processes.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,27 @@ use clap::Args;
 use csat_peer::arguments::PaceArguments;
 use csat_peer::wire::session::WireArguments;
 
-use crate::cli::RunArguments;
+use super::run::RunArguments;
+
+/// `csat spawn`.
+#[derive(Debug, Clone, Args)]
+pub struct SpawnArguments {
+    /// What to fly and where to write it down.
+    #[command(flatten)]
+    pub run: RunArguments,
+    /// How time passes and how long to wait.
+    #[command(flatten)]
+    pub pace: PaceArguments,
+    /// Start an agent's process again when it ends before the mission
+    #[arg(long)]
+    pub restart: bool,
+    /// Where the world listens [default: tcp/127.0.0.1:7447, or any free port if that is taken]
+    #[arg(long, value_name = "ENDPOINT")]
+    pub listen: Option<String>,
+    /// A Zenoh configuration (JSON5) for all processes, such as TLS and access control
+    #[arg(long, value_name = "FILE")]
+    pub zenoh_config: Option<PathBuf>,
+}
 
 /// `csat world`.
 #[derive(Debug, Clone, Args)]
