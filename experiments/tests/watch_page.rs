@@ -111,7 +111,7 @@ fn a_station_is_shown_and_can_be_chosen() {
     browser.wait_for("view(3, 'oem')");
     assert_ne!(picture(&mut browser, "fleet"), of_0, "its mast is larger now");
     let details = text(&mut browser, "details");
-    assert!(details.contains("news of UAVs") && details.contains("from U0"), "{details}");
+    assert!(details.contains("age of news") && details.contains("from U0"), "{details}");
     assert!(!details.contains("course"), "{details}");
     let label = "document.getElementById('fleet').getAttribute('aria-label')";
     let label = browser.value(label);

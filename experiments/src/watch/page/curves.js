@@ -3,7 +3,7 @@
 // What each mission has, whatever else it measures.
 const SENT = { title: 'Sent per step', unit: 'B', curves: [{ key: 'bytes_sent', name: '', colour: '#5D3A9B' }] };
 let curves = [];
-let curvesOf;          // the document that `curves` is made from
+let curvesOf = '';     // the document that `curves` is made from, as text
 let hovered = null;
 
 const columns = () => state.docs['truth/columns'];
@@ -12,8 +12,9 @@ const column = (key) => columns()?.columns?.find((one) => one.key === key);
 // Makes the figures anew when another mission says what it measures.
 function makeCurves(seek) {
   const doc = columns();
-  if (curves.length && doc === curvesOf) return;
-  curvesOf = doc;
+  const text = JSON.stringify(doc ?? null);
+  if (text === curvesOf) return;
+  curvesOf = text;
   curves = [...(doc?.panels ?? []), SENT].map((panel) => makeCurve(panel, seek));
   byId('curves').replaceChildren(...curves.map((curve) => curve.figure));
 }
