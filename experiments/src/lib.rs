@@ -4,6 +4,7 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`cli`] | the command line |
+//! | [`stats`] | means and their confidence |
 //! | [`sweep`] | every combination with every seed, and the report |
 //! | [`compare`] | two runs, sweeps or reproductions side by side |
 //! | [`reproduce`] | the published tables and figures, ours beside theirs |
@@ -18,7 +19,7 @@
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use csat_peer::tell;
 
 use crate::cli::{Cli, Command, advice};
@@ -39,6 +40,7 @@ pub mod logs;
 pub mod report;
 pub mod reproduce;
 pub mod spawn;
+pub mod stats;
 pub mod sweep;
 #[cfg(test)]
 #[path = "../../flight/src/testing.rs"]
@@ -54,7 +56,7 @@ pub fn main(missions: Missions) -> ExitCode {
     let cli = Cli::try_parse().unwrap_or_else(|error| {
         let arguments: Vec<String> =
             std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect();
-        advice::advise(error, &arguments).exit()
+        advice::advise(&Cli::command(), error, &arguments).exit()
     });
     let logs = Logs::install();
     let result = match &cli.command {

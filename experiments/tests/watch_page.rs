@@ -17,7 +17,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use browser::Browser;
-use csat_experiments::watch::feed::{Document, Hub};
+use csat_experiments::watch::document::Document;
+use csat_experiments::watch::feed::Hub;
 use csat_experiments::watch::server::{self, Source};
 use serde_json::json;
 use watched::{HASH, SMALL, browser, picture, record_small, shot, text, watch, watch_with};

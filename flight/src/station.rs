@@ -5,8 +5,7 @@ use serde::{Deserialize, Serialize};
 use csat_mission::measures::Column;
 use csat_mission::mission::Kind;
 
-use crate::summary::in_words;
-use crate::values::Numbers;
+use crate::values::{Numbers, in_words};
 
 /// What a ground station knew, and what it heard.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

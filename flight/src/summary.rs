@@ -11,7 +11,7 @@ use serde_json::Value;
 use crate::scenario::missions::kind;
 use crate::station::StationSummary;
 use crate::timing::TimingSummary;
-use crate::values::Numbers;
+use crate::values::{Numbers, in_words};
 use csat_mission::fleet::Frames;
 use csat_mission::words::named;
 
@@ -111,21 +111,6 @@ pub const FIRST: &str = "set-membership";
 
 fn first_kind() -> String {
     FIRST.to_owned()
-}
-
-/// A value with its unit, for people: a count of targets as a share of all.
-pub fn in_words(column: &Column, value: Option<f64>, targets: u16) -> String {
-    match (value, column.unit) {
-        (None, _) => "-".to_owned(),
-        (Some(value), "targets") => format!("{}/{targets}", short(value)),
-        (Some(value), unit) if column.is_count => format!("{} {unit}", short(value)),
-        (Some(value), unit) => format!("{value:.2} {unit}"),
-    }
-}
-
-/// A count, or a mean of counts.
-fn short(value: f64) -> String {
-    if value.fract() == 0.0 { format!("{value}") } else { format!("{value:.2}") }
 }
 
 /// What became of the messages, per receiver.

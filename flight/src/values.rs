@@ -1,7 +1,8 @@
-//! Numbers by key, in order: a mission's own part of a summary.
+//! Numbers by key, in order: a mission's own part of a summary; and one of them in words.
 
 use std::collections::BTreeMap;
 
+use csat_mission::measures::Column;
 use serde::de::{MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -73,6 +74,21 @@ impl<'de> Deserialize<'de> for Numbers {
         }
         deserializer.deserialize_map(Reader)
     }
+}
+
+/// A value with its unit, for people: a count of targets as a share of all.
+pub fn in_words(column: &Column, value: Option<f64>, targets: u16) -> String {
+    match (value, column.unit) {
+        (None, _) => "-".to_owned(),
+        (Some(value), "targets") => format!("{}/{targets}", short(value)),
+        (Some(value), unit) if column.is_count => format!("{} {unit}", short(value)),
+        (Some(value), unit) => format!("{value:.2} {unit}"),
+    }
+}
+
+/// A count, or a mean of counts.
+fn short(value: f64) -> String {
+    if value.fract() == 0.0 { format!("{value}") } else { format!("{value:.2}") }
 }
 
 #[cfg(test)]

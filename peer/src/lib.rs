@@ -10,7 +10,7 @@
 //! | end a process with its parent | [`parent_death`] |
 //! | write to standard output and error | [`terminal`] |
 //!
-//! `csat agent` and `csat world` are some fifty lines each on top of these: see `process::agent` and
+//! `csat agent` and `csat world` are some fifty lines each on top of these: see `commands::fleet` and
 //! `process::world` of the crate `csat-experiments`.
 
 #![warn(clippy::print_stdout, clippy::print_stderr)] // They panic: see `terminal`.

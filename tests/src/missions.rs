@@ -4,7 +4,7 @@ use csat_agent::agent::Event;
 use csat_agent::config::ExchangeMode;
 use csat_experiments::scenario::Scenario;
 use csat_experiments::set_membership::SetMembership;
-use csat_experiments::set_membership::measures::percent_of;
+use csat_experiments::set_membership::report::percent_of;
 use csat_mission::engine::Engine;
 use csat_mission::mission::Mission;
 use csat_world::world::{World, WorldErrors};

@@ -3,19 +3,17 @@
 //! What a mission is has no flags of its own: every key of a scenario is set by `--set`. So whoever
 //! writes `csat run --agents 6` is told `--set agents.count=6`.
 
+use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{Command, CommandFactory};
 
-use super::Cli;
 use crate::scenario::{keys, similar};
 
 /// The most keys that are suggested.
 const MAX_GUESSES: usize = 3;
 
 /// The error of a command line with a hint at `--set`, where that is what was meant.
-pub fn advise(mut error: clap::Error, arguments: &[String]) -> clap::Error {
+pub fn advise(cli: &Command, mut error: clap::Error, arguments: &[String]) -> clap::Error {
     let has_sets = |command: &Command| command.get_arguments().any(|a| a.get_id() == "sets");
-    let cli = Cli::command();
     let command = arguments.iter().find_map(|name| cli.find_subcommand(name));
     if error.kind() != ErrorKind::UnknownArgument || !command.is_some_and(has_sets) {
         return error;
@@ -104,14 +102,15 @@ fn torn(argument: &str) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use clap::Parser;
+    use clap::{CommandFactory, Parser};
 
     use super::*;
+    use crate::cli::Cli;
 
     fn said(line: &str) -> String {
         let arguments: Vec<String> = line.split(' ').map(str::to_owned).collect();
         let error = Cli::try_parse_from(&arguments).unwrap_err();
-        advise(error, &arguments).to_string()
+        advise(&Cli::command(), error, &arguments).to_string()
     }
 
     #[test]

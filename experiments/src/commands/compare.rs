@@ -4,8 +4,8 @@ use crate::cli::CompareArguments;
 use crate::compare;
 use crate::verdict::DONE;
 
+use super::common::say;
 use super::runs::judge;
-use super::say;
 
 /// `csat compare`.
 pub fn compare(arguments: &CompareArguments) -> anyhow::Result<u8> {

@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 
 use anyhow::Context;
 
+use super::common;
 use crate::cli::fleet::{SpawnArguments, WorldArguments};
 use crate::flight::RunOptions;
 use crate::logs::Logs;
@@ -24,7 +25,7 @@ use csat_peer::world::FleetError;
 
 /// `csat spawn`.
 pub fn spawn(arguments: &SpawnArguments) -> anyhow::Result<u8> {
-    let loaded = match super::load_to_fly(&arguments.run) {
+    let loaded = match common::load_to_fly(&arguments.run) {
         Ok(loaded) => loaded,
         Err(mistakes) => {
             tell!("{mistakes}");
@@ -33,9 +34,9 @@ pub fn spawn(arguments: &SpawnArguments) -> anyhow::Result<u8> {
     };
     // The world makes the folder. Should it be refused, no process need be started to find out.
     if let Err(error) =
-        RunFolder::try_out(super::destination(arguments.run.out.as_deref(), &loaded))
+        RunFolder::try_out(common::destination(arguments.run.out.as_deref(), &loaded))
     {
-        return super::refuse_folder(error);
+        return common::refuse_folder(error);
     }
     match spawn::spawn(arguments, &loaded) {
         Err(SpawnError::Wire(error)) => {
@@ -49,7 +50,7 @@ pub fn spawn(arguments: &SpawnArguments) -> anyhow::Result<u8> {
 /// `csat world`.
 pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
     let WorldArguments { run, wire, end_with_parent, logs: agents_logs, .. } = arguments;
-    let interrupted = super::interrupted_by_the_user()?;
+    let interrupted = common::interrupted_by_the_user()?;
     if *end_with_parent {
         let interrupted = interrupted.clone();
         parent_death::on_parent_death(move || interrupted.store(true, Ordering::SeqCst));
@@ -68,7 +69,7 @@ pub fn world(arguments: &WorldArguments, logs: &Logs) -> anyhow::Result<u8> {
         }
     };
     let world = WorldOptions { pace: &arguments.pace, wire: &wire, restarts: arguments.restarts };
-    let code = super::record(run, logs, &options, |mission, flight| {
+    let code = common::record(run, logs, &options, |mission, flight| {
         let folder = flight.recorder.partial_folder().to_owned();
         let flown = mission.fly_fleet(&session, world, flight);
         // Above all when the fleet failed: they tell why.

@@ -11,7 +11,7 @@ use crate::scenario::{keys, shipped, similar};
 use crate::verdict::{BAD_INPUT, DONE};
 use csat_peer::tell;
 
-use super::say;
+use super::common::say;
 
 /// `csat scenarios`.
 pub fn scenarios(name: Option<&str>) -> anyhow::Result<u8> {

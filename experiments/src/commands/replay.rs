@@ -3,6 +3,7 @@
 use std::io::IsTerminal;
 use std::sync::atomic::Ordering;
 
+use super::common;
 use crate::cli::ReplayArguments;
 use crate::show::read::{self, Film};
 use crate::show::replay::play;
@@ -29,7 +30,7 @@ pub fn replay(arguments: &ReplayArguments) -> anyhow::Result<u8> {
     if let Some(warning) = &film.warning {
         tell!("warning: {warning}");
     }
-    let interrupted = super::interrupted_by_the_user()?;
+    let interrupted = common::interrupted_by_the_user()?;
     // It stands in for the world: others connect to it.
     let wire = arguments.wire.with_ports();
     let session = match session::open(&wire, Role::World) {

@@ -20,8 +20,8 @@ use crate::sweep::{SweepError, check, merge};
 use crate::verdict::DONE;
 use anyhow::Context;
 
+use super::common::{interrupted_by_the_user, say, warn};
 use super::runs::{Flight, code, complain, jobs, judge};
-use super::{interrupted_by_the_user, say, warn};
 
 const REPORT: &str = "report.html";
 const TABLES: &str = "tables.txt";

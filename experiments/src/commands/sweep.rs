@@ -17,8 +17,8 @@ use crate::sweep::take::Taking;
 use crate::sweep::vary::Axis;
 use anyhow::Context;
 
+use super::common::{interrupted_by_the_user, say, warn};
 use super::runs::{Flight, code, complain, jobs, judge};
-use super::{interrupted_by_the_user, say, warn};
 
 /// `csat sweep`.
 pub fn sweep(arguments: &SweepArguments) -> anyhow::Result<u8> {

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use anyhow::Context;
 
+use super::common;
 use crate::tools::doctor::{self, DoctorArguments};
 use crate::tools::echo::{self, EchoArguments};
 use crate::verdict::{BAD_INPUT, DONE, FAILED, INTERRUPTED};
@@ -42,7 +43,7 @@ pub fn doctor(arguments: &DoctorArguments) -> anyhow::Result<u8> {
     // Told while it goes, so that a slow network shows where it is slow.
     let diagnosis = doctor::examine(arguments, &mut |finding| {
         if !arguments.json && told.is_ok() {
-            told = super::say(&format!("{finding}\n"));
+            told = common::say(&format!("{finding}\n"));
         }
     });
     let diagnosis = match diagnosis {
@@ -55,9 +56,9 @@ pub fn doctor(arguments: &DoctorArguments) -> anyhow::Result<u8> {
     };
     told?;
     if arguments.json {
-        super::say(&format!("{}\n", serde_json::to_string_pretty(&diagnosis)?))?;
+        common::say(&format!("{}\n", serde_json::to_string_pretty(&diagnosis)?))?;
     } else {
-        super::say(&format!("{}\n", diagnosis.verdict()))?;
+        common::say(&format!("{}\n", diagnosis.verdict()))?;
     }
     Ok(if diagnosis.problems == 0 { DONE } else { FAILED })
 }

@@ -2,6 +2,7 @@
 
 use anyhow::Context;
 
+use super::common;
 use crate::verdict::{BAD_INPUT, DONE};
 use crate::watch::{self, arguments::WatchArguments};
 use csat_peer::tell;
@@ -16,7 +17,7 @@ pub fn watch(arguments: &WatchArguments) -> anyhow::Result<u8> {
     let result = runtime.block_on(async {
         let ended = ended_by_the_user()?;
         let ready = |address| {
-            if let Err(error) = super::say(&format!("http://{address}\n")) {
+            if let Err(error) = common::say(&format!("http://{address}\n")) {
                 tracing::warn!(%error, "cannot say where the page is");
             }
         };

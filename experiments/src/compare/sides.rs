@@ -7,6 +7,7 @@ use super::{Comparison, Digests, Kind, Number, Part};
 use crate::scenario::MAP_FILE;
 use crate::scenario::differences::{Difference, differences};
 use crate::scenario::missions;
+use crate::stats::stats;
 use crate::sweep::SweepError;
 use crate::sweep::growth;
 use crate::sweep::manifest::Manifest;
@@ -15,7 +16,6 @@ use crate::sweep::pairs::Paired;
 use crate::sweep::plan::Point;
 use crate::sweep::record::RunRecord;
 use crate::sweep::results::{Counts, Results, Values, values};
-use crate::sweep::stats::stats;
 
 type Tables = [(String, BTreeMap<String, f64>)];
 

@@ -1,6 +1,5 @@
 //! Where values stand along an axis.
 
-use crate::sweep::vary::Axis;
 pub use crate::ticks::{short, step};
 
 /// Above this ratio of the greatest to the least value, distances are ratios.
@@ -30,30 +29,32 @@ pub struct XAxis {
 }
 
 impl XAxis {
-    /// Of what varies; `None` when nothing does.
-    pub fn new(axis: Option<&Axis>) -> Self {
-        let Some(axis) = axis else {
-            return Self {
-                at: vec![0.5],
-                labels: vec!["as it is".to_owned()],
-                title: "the scenario".to_owned(),
-                is_broken: false,
-                is_numeric: false,
-            };
-        };
-        let numbers: Option<Vec<f64>> = axis.values.iter().map(|v| v.number()).collect();
+    /// Of a scenario in which nothing varies.
+    pub fn of_one() -> Self {
+        Self {
+            at: vec![0.5],
+            labels: vec!["as it is".to_owned()],
+            title: "the scenario".to_owned(),
+            is_broken: false,
+            is_numeric: false,
+        }
+    }
+
+    /// Of `keys` that vary together. Each value is a number, where it is one, and a text.
+    pub fn of(keys: &[String], values: &[(Option<f64>, String)]) -> Self {
+        let numbers: Option<Vec<f64>> = values.iter().map(|(number, _)| *number).collect();
         let numbers = numbers.filter(|all| all.iter().all(|n| *n > f64::NEG_INFINITY));
         let is_numeric = numbers.is_some();
         let (at, labels, scale) = match numbers {
             Some(numbers) => numeric(&numbers),
             None => {
-                let count = axis.values.len();
+                let count = values.len();
                 let at = (0..count).map(|i| (i as f64 + 0.5) / count as f64).collect();
-                (at, axis.values.iter().map(|v| shortened(&v.shown())).collect(), "")
+                (at, values.iter().map(|(_, text)| shortened(text)).collect(), "")
             }
         };
-        let is_broken = axis.values.iter().any(|v| v.number() == Some(f64::INFINITY));
-        let title = format!("{}{}{scale}", axis.title(), unit(&axis.keys));
+        let is_broken = values.iter().any(|(number, _)| *number == Some(f64::INFINITY));
+        let title = format!("{}{}{scale}", keys.join(", "), unit(keys));
         Self { at, labels, title, is_broken: is_numeric && is_broken, is_numeric }
     }
 
@@ -139,6 +140,18 @@ fn numeric(numbers: &[f64]) -> (Vec<f64>, Vec<String>, &'static str) {
     (at.collect(), numbers.iter().map(label).collect(), scale)
 }
 
+/// With three or four digits that mean something.
+pub fn significant(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return short(value);
+    }
+    let scale = 10f64.powf(2.0 - value.abs().log10().floor()).max(1e-9);
+    if value.abs() >= 1000.0 && value.abs() < 1e4 {
+        return format!("{value:.0}");
+    }
+    short((value * scale).round() / scale)
+}
+
 /// The unit that the name of a key ends with.
 fn unit(keys: &[String]) -> &'static str {
     let [key] = keys else { return "" };
@@ -206,7 +219,10 @@ mod tests {
     use super::*;
 
     fn axis(argument: &str) -> XAxis {
-        XAxis::new(Some(&Axis::parse(argument).unwrap()))
+        let (key, values) = argument.split_once('=').unwrap();
+        let values: Vec<_> =
+            values.split(',').map(|text| (text.parse().ok(), text.to_owned())).collect();
+        XAxis::of(&[key.to_owned()], &values)
     }
 
     #[test]

@@ -4,11 +4,9 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::axis::{XAxis, YAxis, short};
-use super::shapes::{
-    Frame, LEFT, RIGHT, WIDTH, band, confidence, escaped, path, rounded, run_dot, whisker,
-};
+use super::shapes::{Frame, LEFT, RIGHT, WIDTH, band, confidence, escaped, path, rounded, whisker};
 use super::sheet::{self, Entry, Sheet, class};
-use crate::sweep::stats::{FEWEST_DRAWN, Stats, stats};
+use crate::stats::{FEWEST_DRAWN, Stats, stats};
 
 /// A plot.
 #[derive(Debug, Clone)]
@@ -214,7 +212,7 @@ impl Chart<'_> {
 }
 
 /// Why some intervals are not drawn; empty when all are.
-pub(super) fn undrawn<'a>(all: impl Iterator<Item = &'a Stats>) -> String {
+pub fn undrawn<'a>(all: impl Iterator<Item = &'a Stats>) -> String {
     let few: BTreeSet<usize> = all.map(|s| s.n).filter(|n| *n < FEWEST_DRAWN).collect();
     let why = |n: &usize| match n {
         1 => " Where n = 1 there is no interval.",
@@ -228,4 +226,21 @@ pub(super) fn undrawn<'a>(all: impl Iterator<Item = &'a Stats>) -> String {
 /// Where the means are.
 fn means(places: &[(f64, Stats)]) -> Vec<(f64, f64)> {
     places.iter().map(|(x, s)| (*x, s.mean)).collect()
+}
+
+/// A run: a dot, or a hollow triangle when its value is a lower bound.
+fn run_dot(x: f64, frame: &Frame, dot: &Dot, unit: &str) -> String {
+    let y = frame.y(dot.value);
+    let more = if dot.is_open { " or more" } else { "" };
+    let tip = format!("seed {}: {} {unit}{more}", dot.seed, short(rounded(dot.value)));
+    let tip = escaped(&tip);
+    if dot.is_open {
+        let (x0, x1, y0, y1) = (x - 4.0, x + 4.0, y + 3.0, y - 4.0);
+        return format!(
+            "<path class=\"open\" d=\"M{x0:.1} {y0:.1}H{x1:.1}L{x:.1} {y1:.1}Z\"><title>{tip}</title></path>\n"
+        );
+    }
+    format!(
+        "<circle class=\"run\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.6\"><title>{tip}</title></circle>\n"
+    )
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::axis::{XAxis, YAxis};
 use super::shapes::{Frame, band, path};
 use super::sheet::{Entry, Sheet, class, mark};
-use crate::sweep::stats::stats;
+use crate::stats::stats;
 
 /// Lines of no more points than this have a mark at each.
 const MARKED: usize = 20;

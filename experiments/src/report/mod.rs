@@ -4,7 +4,6 @@
 //! |---|---|
 //! | [`page`] | the page around them |
 //! | [`chart`] | a plot of runs at a few places: means with confidence, every run a dot |
-//! | [`seeds`] | a plot of differences within a seed, a line for each |
 //! | [`curves`] | a plot of many moments: a line and its band |
 //! | [`sheet`] | what all plots have in common: title, legend, grid |
 //! | [`axis`] | where values stand |
@@ -14,6 +13,5 @@ pub mod axis;
 pub mod chart;
 pub mod curves;
 pub mod page;
-pub mod seeds;
 pub mod shapes;
 pub mod sheet;

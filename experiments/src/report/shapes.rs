@@ -2,9 +2,8 @@
 
 use std::fmt::Write;
 
-use super::axis::{LABEL_PX, YAxis, short};
-use super::chart::Dot;
-use crate::sweep::stats::Stats;
+use super::axis::{LABEL_PX, YAxis};
+use crate::stats::Stats;
 
 /// Width of a plot, pixels.
 pub const WIDTH: f64 = 620.0;
@@ -83,23 +82,6 @@ pub fn whisker(x: f64, frame: &Frame, s: &Stats) -> String {
         x + 4.0,
         x - 4.0,
         x + 4.0
-    )
-}
-
-/// A run: a dot, or a hollow triangle when its value is a lower bound.
-pub fn run_dot(x: f64, frame: &Frame, dot: &Dot, unit: &str) -> String {
-    let y = frame.y(dot.value);
-    let more = if dot.is_open { " or more" } else { "" };
-    let tip = format!("seed {}: {} {unit}{more}", dot.seed, short(rounded(dot.value)));
-    let tip = escaped(&tip);
-    if dot.is_open {
-        let (x0, x1, y0, y1) = (x - 4.0, x + 4.0, y + 3.0, y - 4.0);
-        return format!(
-            "<path class=\"open\" d=\"M{x0:.1} {y0:.1}H{x1:.1}L{x:.1} {y1:.1}Z\"><title>{tip}</title></path>\n"
-        );
-    }
-    format!(
-        "<circle class=\"run\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.6\"><title>{tip}</title></circle>\n"
     )
 }
 

@@ -1,22 +1,10 @@
 //! `report.html` of a reproduction that was flown.
 
 use super::flown::Flown;
-use super::table::Table;
+use super::table::{Table, banner_of};
 use crate::report::page::document;
-use crate::report::shapes::escaped;
 use crate::sweep::report::{alarms, head, scenario};
 use crate::sweep::results::Results;
-
-/// Words (plain text) that stand out.
-pub fn banner(text: &str) -> String {
-    format!("<div class=\"alarm\"><p><strong>{}</strong></p></div>\n", escaped(text))
-}
-
-/// The banner of a page of these tables, which say what differs from the published setting.
-pub fn banner_of(tables: &[Table]) -> String {
-    let not_published = tables.iter().find_map(|table| table.not_published.as_deref());
-    not_published.map(banner).unwrap_or_default()
-}
 
 /// The page; `again` is the command that makes it again, `figures` is markup.
 pub fn html(

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::published::Published;
 use crate::report::shapes::escaped;
-use crate::sweep::stats::stats;
+use crate::stats::stats;
 
 /// A table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -165,7 +165,7 @@ impl Table {
 
     /// For the page.
     pub fn html(&self) -> String {
-        let banner = self.not_published.as_deref().map(super::page::banner);
+        let banner = self.not_published.as_deref().map(banner);
         let mut page = format!(
             "<h3>{}</h3>\n{}<p>{}. {}</p>\n<div class=\"wide\"><table>\n<thead><tr><th></th>",
             escaped(&self.title),
@@ -219,6 +219,17 @@ fn aligned(lines: &[Vec<String>]) -> String {
         text += &format!("  {}\n", shown.trim_end());
     }
     text
+}
+
+/// Words (plain text) that stand out.
+fn banner(text: &str) -> String {
+    format!("<div class=\"alarm\"><p><strong>{}</strong></p></div>\n", escaped(text))
+}
+
+/// The banner of a page of these tables, which say what differs from the published setting.
+pub fn banner_of(tables: &[Table]) -> String {
+    let not_published = tables.iter().find_map(|table| table.not_published.as_deref());
+    not_published.map(banner).unwrap_or_default()
 }
 
 #[cfg(test)]

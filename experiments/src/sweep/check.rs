@@ -7,23 +7,10 @@ use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::SweepError;
-use super::manifest::{self, Manifest};
+use super::manifest::{self, Checked, Manifest};
 use super::plan::{self, Point, Run};
 use super::vary::Axis;
 use crate::scenario::{self, Loaded, Mistake, Mistakes, Request};
-
-/// What loading the points found out.
-#[derive(Debug, Clone, Default)]
-pub struct Checked {
-    /// Name of the scenario.
-    pub name: String,
-    /// The scenario in full at the first point, but for its seed.
-    pub scenario_toml: String,
-    /// Hash of the file of an imported town of the user's own at the first point.
-    pub map_hash: Option<String>,
-    /// Distinct warnings.
-    pub warnings: Vec<String>,
-}
 
 /// What is kept of a loaded scenario.
 struct Probe {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::lock::Lock;
+use super::lock::{Lock, partial_of};
 use super::manifest::{FORMAT, Manifest};
 use super::plan::Run;
 use super::record::RunRecord;
@@ -16,8 +16,6 @@ use crate::run_folder::Destination;
 
 /// The file that makes a folder that of a sweep.
 pub(super) const MANIFEST: &str = "sweep.json";
-/// Of what is under way, by shard.
-pub(super) const PARTIAL: &str = ".partial";
 
 /// A sweep's folder.
 #[derive(Debug)]
@@ -172,17 +170,12 @@ impl SweepFolder {
 
     /// Where a run is while it flies: nobody's result.
     pub fn partial(&self, shard: Shard, run_name: &str) -> PathBuf {
-        self.partial_of(shard).join(run_name)
+        partial_of(&self.root, shard).join(run_name)
     }
 
     /// Where the whole run folder goes, if it is kept.
     pub fn kept(&self, run_name: &str) -> PathBuf {
         self.root.join("folders").join(run_name)
-    }
-
-    /// Where what is of this shard alone is while it flies.
-    pub(super) fn partial_of(&self, shard: Shard) -> PathBuf {
-        self.root.join(PARTIAL).join(format!("{}of{}", shard.index, shard.count))
     }
 }
 

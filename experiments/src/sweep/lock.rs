@@ -7,10 +7,11 @@ use std::io;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
-use super::folder::SweepFolder;
 use super::seeds::Shard;
 use super::{SweepError, refused_by_system};
 
+/// The folder of what is under way, by shard.
+pub(super) const PARTIAL: &str = ".partial";
 /// What the files of locks end with.
 const LOCK: &str = "lock";
 
@@ -27,17 +28,17 @@ impl Lock {
     ///
     /// # Errors
     /// When another process has it, or the system refuses.
-    pub(super) fn shard(folder: &SweepFolder, shard: Shard) -> Result<Self, SweepError> {
-        let path = folder.partial_of(shard).with_extension(LOCK);
-        Self::take(path, |file| file.try_lock(), || taken(folder, shard))
+    pub(super) fn shard(root: &Path, shard: Shard) -> Result<Self, SweepError> {
+        let path = partial_of(root, shard).with_extension(LOCK);
+        Self::take(path, |file| file.try_lock(), || taken(root, shard))
     }
 
     /// Takes the manifest: waits until no other process looks whether it may start.
     ///
     /// # Errors
     /// When the system refuses.
-    pub(super) fn manifest(folder: &SweepFolder) -> Result<Self, SweepError> {
-        let path = folder.partial_of(Shard::WHOLE).with_file_name("manifest.lock");
+    pub(super) fn manifest(root: &Path) -> Result<Self, SweepError> {
+        let path = partial_of(root, Shard::WHOLE).with_file_name("manifest.lock");
         let wait = |file: &File| file.lock().map_err(TryLockError::Error);
         Self::take(path, wait, || unreachable!("it waits"))
     }
@@ -86,6 +87,11 @@ impl Drop for Lock {
     }
 }
 
+/// Where what is of a shard alone is while it flies.
+pub(super) fn partial_of(root: &Path, shard: Shard) -> PathBuf {
+    root.join(PARTIAL).join(format!("{}of{}", shard.index, shard.count))
+}
+
 fn open(path: &Path) -> io::Result<File> {
     path.parent().map_or(Ok(()), fs::create_dir_all)?;
     File::options().write(true).create(true).truncate(false).open(path)
@@ -98,7 +104,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     id(there).is_some_and(|there| id(ours) == Some(there))
 }
 
-fn taken(folder: &SweepFolder, shard: Shard) -> SweepError {
+fn taken(root: &Path, shard: Shard) -> SweepError {
     let what = match shard {
         Shard::WHOLE => "the sweep".to_owned(),
         Shard { index, count } => format!("shard {index}/{count} of the sweep"),
@@ -106,7 +112,7 @@ fn taken(folder: &SweepFolder, shard: Shard) -> SweepError {
     SweepError::Refused(format!(
         "error: another process is flying {what} in `{}`\n  = expected to start when it has ended, or \
          with another --out",
-        folder.root().display()
+        root.display()
     ))
 }
 
@@ -118,16 +124,15 @@ mod tests {
     #[test]
     fn a_shard_is_taken_once_until_it_is_let_go() {
         let base = scratch("lock");
-        let folder = SweepFolder::at(&base);
         let [first, second] = ["1/2", "2/2"].map(|text| Shard::parse(text).unwrap());
-        let held = Lock::shard(&folder, first).unwrap();
-        let refusal = Lock::shard(&folder, first).unwrap_err().to_string();
+        let held = Lock::shard(&base, first).unwrap();
+        let refusal = Lock::shard(&base, first).unwrap_err().to_string();
         assert!(
             refusal.starts_with("error: another process is flying shard 1/2 of the sweep in `")
         );
-        let other = Lock::shard(&folder, second).unwrap();
+        let other = Lock::shard(&base, second).unwrap();
         drop(held);
-        let again = Lock::shard(&folder, first).unwrap();
+        let again = Lock::shard(&base, first).unwrap();
         assert!(base.join(".partial/1of2.lock").exists());
         drop((other, again));
         assert!(!base.join(".partial").exists());
@@ -136,13 +141,12 @@ mod tests {
     #[test]
     fn a_shard_knows_of_others() {
         let base = scratch("lock-others");
-        let folder = SweepFolder::at(&base);
         let [first, second] = ["1/2", "2/2"].map(|text| Shard::parse(text).unwrap());
-        let held = Lock::shard(&folder, first).unwrap();
-        let _manifest = Lock::manifest(&folder).unwrap();
+        let held = Lock::shard(&base, first).unwrap();
+        let _manifest = Lock::manifest(&base).unwrap();
         File::create(base.join(".partial/7of9.lock")).unwrap();
         assert!(!held.others_fly());
-        let other = Lock::shard(&folder, second).unwrap();
+        let other = Lock::shard(&base, second).unwrap();
         assert!(held.others_fly() && other.others_fly());
         drop(other);
         assert!(!held.others_fly());
@@ -154,8 +158,7 @@ mod tests {
         let base = scratch("lock-dead");
         fs::create_dir(base.join(".partial")).unwrap();
         File::create(base.join(".partial/1of1.lock")).unwrap();
-        let folder = SweepFolder::at(&base);
-        let _held = Lock::shard(&folder, Shard::WHOLE).unwrap();
-        assert!(Lock::shard(&folder, Shard::WHOLE).is_err());
+        let _held = Lock::shard(&base, Shard::WHOLE).unwrap();
+        assert!(Lock::shard(&base, Shard::WHOLE).is_err());
     }
 }

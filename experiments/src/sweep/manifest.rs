@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
-use super::check::Checked;
 use super::plan::{Point, Run};
 use super::seeds::{Shard, seeds_text};
 use super::vary::Axis;
@@ -57,6 +56,19 @@ pub struct Request {
     pub baseline: bool,
     /// `--against`.
     pub against: Option<String>,
+}
+
+/// What loading the points found out.
+#[derive(Debug, Clone, Default)]
+pub struct Checked {
+    /// Name of the scenario.
+    pub name: String,
+    /// The scenario in full at the first point, but for its seed.
+    pub scenario_toml: String,
+    /// Hash of the file of an imported town of the user's own at the first point.
+    pub map_hash: Option<String>,
+    /// Distinct warnings.
+    pub warnings: Vec<String>,
 }
 
 impl Manifest {

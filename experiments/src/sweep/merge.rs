@@ -76,7 +76,7 @@ pub fn merge(
         whole.against = against.map(str::to_owned);
     }
     Reference::new(&whole).map_err(not_comparable)?;
-    let lock = Lock::manifest(&first)?;
+    let lock = Lock::manifest(first.root())?;
     first.grow(&there, &whole, &lock)?;
     for (folder, manifest) in &from {
         bring(manifest, folder, &whole, &first)?;

@@ -3,10 +3,7 @@
 use csat_mission::measures::{Level, Milestone, Plot};
 use csat_mission::mission::Kind;
 
-use super::record::RunRecord;
-use super::results::Results;
-use crate::scenario::missions;
-use crate::summary;
+use super::record::{RunRecord, kind_of};
 
 /// What is drawn of a run.
 #[derive(Debug, Clone, Copy)]
@@ -58,19 +55,6 @@ pub fn metrics_of(kinds: impl IntoIterator<Item = &'static Kind>) -> Vec<Metric>
     // What any mission has comes last.
     all.sort_by_key(|metric| COMMON.iter().any(|common| common.key == metric.key));
     all
-}
-
-impl Results {
-    /// Everything that is drawn of its runs.
-    pub fn metrics(&self) -> Vec<Metric> {
-        metrics_of(self.runs.iter().filter_map(|(_, record)| kind_of(record.as_ref()?)))
-    }
-}
-
-/// The kind of mission of a run; `None` for one that failed, or of a kind that this program does not know.
-pub fn kind_of(record: &RunRecord) -> Option<&'static Kind> {
-    let summary = record.summary.as_ref()?;
-    missions::kind(summary.get("mission").map_or(Some(summary::FIRST), |name| name.as_str())?)
 }
 
 /// The milestone of a run whose restricted time has this key.

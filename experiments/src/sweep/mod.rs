@@ -19,7 +19,7 @@
 //! | [`fly`], [`work`] | one mission, many missions |
 //! | [`bar`], [`pace`] | what shows meanwhile, and the time left |
 //! | [`results`], [`metric`] | all runs, and which of their numbers count most |
-//! | [`stats`], [`pairs`] | means, and differences within a seed |
+//! | [`pairs`] | differences within a seed |
 //! | [`table`] | `sweep.csv`, `sweep_means.csv` and `sweep_pairs.csv` |
 //! | [`report`] | `report.html` |
 //! | [`merge`] | from run files to those |
@@ -40,7 +40,6 @@ pub mod record;
 pub mod report;
 pub mod results;
 pub mod seeds;
-pub mod stats;
 pub mod table;
 pub mod take;
 pub mod vary;

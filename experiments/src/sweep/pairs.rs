@@ -8,8 +8,8 @@ use super::manifest::Manifest;
 use super::plan::Point;
 use super::record::RunRecord;
 use super::results::Results;
-use super::stats::{Stats, stats};
 use super::vary::Axis;
+use crate::stats::{Stats, stats};
 
 /// What the argument of `--against` is for perfect links.
 pub const PERFECT: &str = "perfect";

@@ -6,12 +6,14 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use csat_mission::measures::Column;
+use csat_mission::mission::Kind;
 
 use super::manifest::Manifest;
-use super::metric::kind_of;
 use super::plan::Run;
 use crate::provenance::Build;
-use crate::summary::{Summary, in_words};
+use crate::scenario::missions;
+use crate::summary::{self, Summary};
+use crate::values::in_words;
 
 /// What became of one run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -110,4 +112,10 @@ impl RunRecord {
         }
         told.join(", ")
     }
+}
+
+/// The kind of mission of a run; `None` for one that failed, or of a kind that this program does not know.
+pub fn kind_of(record: &RunRecord) -> Option<&'static Kind> {
+    let summary = record.summary.as_ref()?;
+    missions::kind(summary.get("mission").map_or(Some(summary::FIRST), |name| name.as_str())?)
 }

@@ -6,9 +6,9 @@ use serde_json::Value;
 
 use super::folder::{BadRun, SweepFolder};
 use super::manifest::Manifest;
-use super::metric::{DELIVERED, kind_of, metric};
+use super::metric::{DELIVERED, Metric, metric, metrics_of};
 use super::plan::Run;
-use super::record::RunRecord;
+use super::record::{RunRecord, kind_of};
 use super::seeds::Shard;
 use crate::provenance::Build;
 
@@ -57,6 +57,11 @@ impl Results {
             runs.push((run, record));
         }
         Self { manifest, runs, bad }
+    }
+
+    /// Everything that is drawn of its runs.
+    pub fn metrics(&self) -> Vec<Metric> {
+        metrics_of(self.runs.iter().filter_map(|(_, record)| kind_of(record.as_ref()?)))
     }
 
     /// The programs that flew the runs, each with the number of runs.

@@ -3,8 +3,8 @@
 
 use super::pairs::{Paired, Reference};
 use super::results::{Results, Values, values};
-use super::stats::stats;
 use super::vary::Axis;
+use crate::stats::stats;
 use serde_json::Value;
 
 /// What a count of something begins with: without an entry it is 0, not unknown.

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use super::folder::{MANIFEST, PARTIAL, SweepFolder};
-use super::lock::Lock;
+use super::folder::{MANIFEST, SweepFolder};
+use super::lock::{Lock, PARTIAL, partial_of};
 use super::manifest::Manifest;
 use super::pairs::Reference;
 use super::plan::Point;
@@ -51,7 +51,7 @@ impl SweepFolder {
                 root.display()
             )));
         }
-        let manifest_lock = Lock::manifest(&folder)?;
+        let manifest_lock = Lock::manifest(folder.root())?;
         if !root.join(MANIFEST).exists() {
             folder.put_manifest(asked)?;
         }
@@ -69,7 +69,7 @@ impl SweepFolder {
             folder.refuse_flown(&whole, asked, shard)?;
         }
         // Before anything of another process is taken for that of a dead one.
-        let lock = Lock::shard(&folder, shard)?;
+        let lock = Lock::shard(folder.root(), shard)?;
         folder.grow(&there, &whole, &lock)?;
         folder.clear_partial(shard)?;
         drop(manifest_lock);
@@ -189,7 +189,7 @@ impl SweepFolder {
     /// # Errors
     /// When the system refuses.
     pub fn clear_partial(&self, shard: Shard) -> Result<(), SweepError> {
-        let partial = self.partial_of(shard);
+        let partial = partial_of(self.root(), shard);
         if partial.exists() {
             fs::remove_dir_all(&partial).map_err(|e| refused_by_system("remove", &partial, e))?;
         }

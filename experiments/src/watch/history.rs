@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 
-use super::feed::Document;
+use super::document::Document;
 
 /// The most points of a path or a curve; twice as many are thinned out to this.
 const MAX_POINTS: usize = 4096;

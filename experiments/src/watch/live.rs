@@ -10,8 +10,9 @@ use zenoh::Session;
 use zenoh::bytes::ZBytes;
 use zenoh::sample::{Sample, SampleKind};
 
-use super::WatchError;
-use super::feed::{Document, Hub};
+use super::document::Document;
+use super::error::WatchError;
+use super::feed::Hub;
 use crate::show::truth::{COLUMNS, LAYERS, TOWN};
 use csat_mission::timing::Stopwatch;
 

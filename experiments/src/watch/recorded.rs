@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::WatchError;
-use super::feed::Document;
+use super::document::Document;
+use super::error::WatchError;
 use crate::show::read;
 use csat_peer::tell;
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::feed::{Document, by_topic, is_drawn};
+use super::document::{Document, by_topic, is_drawn};
 use super::history::History;
 
 /// A run that flew.

@@ -17,8 +17,9 @@ use serde::Deserialize;
 use tokio::net::TcpListener;
 use tokio::time::MissedTickBehavior;
 
-use super::WatchError;
-use super::feed::{Cursor, Hub, is_drawn};
+use super::document::is_drawn;
+use super::error::WatchError;
+use super::feed::{Cursor, Hub};
 use super::page;
 use super::recording::Recording;
 

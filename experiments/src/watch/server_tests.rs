@@ -5,7 +5,7 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
 use super::*;
-use crate::watch::feed::Document;
+use crate::watch::document::Document;
 
 async fn started(source: Source) -> SocketAddr {
     let listener = listen(0).await.unwrap();

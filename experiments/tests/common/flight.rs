@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use csat_experiments::watch::feed::Document;
+use csat_experiments::watch::document::Document;
 use csat_experiments::watch::recorded;
 
 use crate::common::{csat, scratch, text};

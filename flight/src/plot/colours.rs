@@ -1,4 +1,4 @@
-//! Colours of `metrics.svg`.
+//! Colours of the pictures.
 
 use plotters::style::RGBColor;
 
@@ -15,4 +15,13 @@ pub fn colour(hex: &str) -> RGBColor {
     let digits = u32::from_str_radix(hex.trim_start_matches('#'), 16).unwrap_or_default();
     let [_, red, green, blue] = digits.to_be_bytes();
     RGBColor(red, green, blue)
+}
+
+/// Colours for UAVs: Okabe and Ito's, without the yellow and green that sets have.
+pub const UAV_COLOURS: [&str; 8] =
+    ["#0072B2", "#D55E00", "#CC79A7", "#111111", "#56B4E9", "#8C510A", "#E69F00", "#5D3A9B"];
+
+/// The colour of a UAV.
+pub fn uav_colour(index: usize) -> &'static str {
+    UAV_COLOURS[index % UAV_COLOURS.len()]
 }

@@ -3,7 +3,7 @@
 use svg::node::element::{Circle, Definitions, Group, Line as Stroke, Path, Pattern};
 
 use super::canvas::{Panel, group, label, round};
-use super::{UAV_COLOURS, uav_colour};
+use super::colours::{UAV_COLOURS, uav_colour};
 use csat_mission::picture::{Cells, Content, Heat, Layer, Oem, Properties, Shapes};
 use csat_mission::style::{Colour, Fill, Line, Style};
 

@@ -4,7 +4,8 @@ use svg::Node;
 use svg::node::element::{Circle, Group, Line, Path, Rectangle};
 
 use super::canvas::{group, round, text};
-use super::{layers, town, uav_colour};
+use super::colours::uav_colour;
+use super::{layers, town};
 use crate::view::View;
 use csat_mission::picture::{Layer, Properties};
 use csat_mission::style::{Form, Style};

@@ -4,7 +4,7 @@ use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use super::PlotError;
+use super::error::PlotError;
 use csat_mission::measures::{Curve, Panel};
 use csat_mission::mission::Kind;
 

@@ -12,6 +12,7 @@ mod agents;
 mod axes;
 pub mod canvas;
 mod colours;
+mod error;
 pub mod layers;
 mod legend;
 mod map;
@@ -29,35 +30,10 @@ use crate::summary::Summary;
 use crate::view::View;
 
 pub use agents::agents_svg;
+pub use colours::uav_colour;
+pub use error::PlotError;
 pub use map::map_svg;
 pub use metrics::metrics_svg;
-
-/// Why there is no picture.
-#[derive(Debug, thiserror::Error)]
-pub enum PlotError {
-    /// The plotting library refused.
-    #[error("metrics.svg: {0}")]
-    Draw(String),
-    /// A file of the run folder is missing or cannot be read.
-    #[error("cannot read `{}`: {reason}; expected the folder of a finished run", path.display())]
-    Read {
-        /// Which file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
-    /// The mission has no such agent.
-    #[error("--agent: got {got}, expected `all` or an agent from 0 to {last}")]
-    NoAgent {
-        /// What was asked for.
-        got: usize,
-        /// The last one.
-        last: usize,
-    },
-    /// A picture could not be written.
-    #[error(transparent)]
-    Write(#[from] FolderError),
-}
 
 /// Whose knowledge a map shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -139,13 +115,4 @@ fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, PlotError
     let refuse = |reason: String| PlotError::Read { path: path.to_owned(), reason };
     let text = std::fs::read_to_string(path).map_err(|e| refuse(e.to_string()))?;
     serde_json::from_str(&text).map_err(|e| refuse(e.to_string()))
-}
-
-/// Colours for UAVs: Okabe and Ito's, without the yellow and green that sets have.
-pub const UAV_COLOURS: [&str; 8] =
-    ["#0072B2", "#D55E00", "#CC79A7", "#111111", "#56B4E9", "#8C510A", "#E69F00", "#5D3A9B"];
-
-/// The colour of a UAV.
-pub fn uav_colour(index: usize) -> &'static str {
-    UAV_COLOURS[index % UAV_COLOURS.len()]
 }

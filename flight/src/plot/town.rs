@@ -3,7 +3,7 @@
 use svg::node::element::{Circle, Group, Path, Polygon, Rectangle};
 
 use super::canvas::{Panel, group, label, round};
-use super::uav_colour;
+use super::colours::uav_colour;
 use crate::view::{Building, View};
 use csat_mission::picture::targets;
 

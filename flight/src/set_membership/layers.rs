@@ -6,8 +6,7 @@ use csat_proto::model::Ground;
 use csat_proto::region::Region;
 use serde_json::{Value, json};
 
-use super::measures::percent_of;
-use super::report::Report;
+use super::report::{Report, percent_of};
 use crate::rounding;
 use csat_mission::documents::micro;
 use csat_mission::picture::{self, Area, Content, Layer, Properties, Shapes, to_millimetre};

@@ -9,7 +9,7 @@ use csat_proto::model::Ground;
 use csat_proto::raster::{Grid, Raster};
 use csat_proto::region::Region;
 
-use super::report::Report;
+use super::report::{Report, percent_of};
 
 /// Side of the cells that coverage is counted in, metres.
 const COVERAGE_CELL_M: f64 = 1.0;
@@ -125,19 +125,6 @@ pub fn equivalent_radius_m(area_m2: f64) -> f64 {
     (area_m2 / std::f64::consts::PI).sqrt()
 }
 
-/// An area in per cent of the ground.
-pub fn percent_of(ground: &Ground, area_m2: f64) -> f64 {
-    100.0 * area_m2 / ground.area_m2()
-}
-
-/// One UAV's term of (5.45): intersection over union of the ground that is hidden, H^CVS, and the
-/// ground expected to be, H^OEM ∩ F, in per cent; `None` when both are empty.
-pub fn oem_iou_pct(hidden: &Raster, expected: &Raster) -> Option<f64> {
-    let common = hidden.count_common(expected);
-    let union = hidden.count() + expected.count() - common;
-    (union > 0).then(|| 100.0 * f64::from(common) / f64::from(union))
-}
-
 /// The number of targets in at least one footprint.
 pub fn targets_in_fov(footprints: &[Vec<[f64; 2]>], locations: &[[f64; 2]]) -> u16 {
     let seen = |p: &&[f64; 2]| footprints.iter().any(|footprint| contains(footprint, **p));
@@ -210,6 +197,7 @@ impl Coverage {
 
 #[cfg(test)]
 mod tests {
+    use super::super::report::oem_iou_pct;
     use super::*;
 
     const GROUND: Ground = Ground { size_m: [100.0, 100.0] };

@@ -10,7 +10,6 @@ use csat_proto::region::Region;
 use csat_proto::time::Step;
 use serde::{Deserialize, Serialize};
 
-use super::measures::{oem_iou_pct, percent_of};
 use csat_mission::mission::{self, Detail, Tally};
 
 /// What an agent knows at the end of a step. Sets are on the grid of `proto::region`, bit by bit
@@ -134,4 +133,17 @@ impl Maps {
         }
         cells
     }
+}
+
+/// An area in per cent of the ground.
+pub fn percent_of(ground: &Ground, area_m2: f64) -> f64 {
+    100.0 * area_m2 / ground.area_m2()
+}
+
+/// One UAV's term of (5.45): intersection over union of the ground that is hidden, H^CVS, and the
+/// ground expected to be, H^OEM ∩ F, in per cent; `None` when both are empty.
+pub fn oem_iou_pct(hidden: &Raster, expected: &Raster) -> Option<f64> {
+    let common = hidden.count_common(expected);
+    let union = hidden.count() + expected.count() - common;
+    (union > 0).then(|| 100.0 * f64::from(common) / f64::from(union))
 }

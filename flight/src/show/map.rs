@@ -9,8 +9,8 @@ use geojson::{Feature, GeometryValue};
 use serde_json::json;
 
 use super::drawn::Drawn;
-use super::recording::Seen;
 use super::scene::{FRAME, timestamp};
+use super::seen::Seen;
 use crate::plot::uav_colour;
 use crate::rounding::polygons;
 use csat_mission::picture::{Content, Ring};

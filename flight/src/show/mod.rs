@@ -19,6 +19,7 @@ pub mod recording;
 pub mod replay;
 pub mod scene;
 pub mod schema;
+mod seen;
 pub mod tape;
 pub mod truth;
 

@@ -4,11 +4,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use csat_proto::ids::{AgentId, Incarnation};
+use csat_proto::ids::Incarnation;
 use csat_proto::time::Step;
 use rayon::prelude::*;
 
 use super::drawn::Drawn;
+use super::seen::Seen;
 use super::tape::Tape;
 use super::{FILE, map, scene, truth};
 use crate::flight::{Audience, Moment};
@@ -18,26 +19,12 @@ use csat_mission::documents::{AgentStep, Document, agent_documents};
 use csat_mission::engine::LifeEvent;
 use csat_mission::fleet::Flown;
 use csat_mission::mission::{Detail, Mission};
-use csat_mission::picture::Ring;
 
 /// The name of the metadata record that says what was recorded.
 pub const METADATA: &str = "csat";
 
 /// After how many recorded steps what was recorded is safe from a crash.
 const STEPS_PER_CHUNK: u32 = 10;
-
-/// What people see of an agent at one step.
-#[derive(Debug)]
-pub struct Seen {
-    /// Whose.
-    pub agent: AgentId,
-    /// F ∩ {z = 0}, `world`, metres.
-    pub footprint: Ring,
-    /// What it knows, as far as viewers draw it.
-    pub layers: Vec<Drawn>,
-    /// Whether an agent before it knows the very same, as with perfect links.
-    pub is_repeated: bool,
-}
 
 /// Writes a recording into a run folder. Dropped without [`Self::finish`], it leaves a file under
 /// its temporary name that can be read up to there.

@@ -16,7 +16,7 @@ use foxglove::messages::{
 
 use super::drawn::Drawn;
 use super::mesh;
-use super::recording::Seen;
+use super::seen::Seen;
 use crate::plot::uav_colour;
 use csat_mission::picture::{Cells, Content, Mark, Oem, Ring};
 

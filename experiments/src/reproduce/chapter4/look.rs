@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::scene::{self, CARS_M};
 use super::settings::Setting;
 use crate::set_membership::measures::equivalent_radius_m;
-use crate::sweep::stats::{Stats, stats};
+use crate::stats::{Stats, stats};
 
 /// The least distances between cars that figure 4.19 may be about, metres; the text names 6 and 8.
 pub const SEPARATIONS_M: [f64; 4] = [5.0, 6.0, 7.0, 8.0];

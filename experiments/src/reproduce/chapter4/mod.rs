@@ -18,8 +18,7 @@ pub mod tables;
 
 use csat_proto::ids::{AgentId, Incarnation};
 
-use super::page::banner_of;
-use super::table::Table;
+use super::table::{Table, banner_of};
 use crate::report::page;
 use crate::scenario::Scenario;
 use crate::set_membership::SetMembership;

@@ -3,9 +3,9 @@
 
 use crate::report::axis::XAxis;
 use crate::report::chart::{Chart, Dot, Line, Mark};
+use crate::stats::Stats;
 use crate::sweep::metric::{self, Metric, metric};
 use crate::sweep::results::Results;
-use crate::sweep::stats::Stats;
 
 /// The most groups of plots; beyond that, the tables say it.
 pub const MAX_FACETS: usize = 12;
@@ -36,7 +36,9 @@ pub fn facets(results: &Results) -> Option<Vec<Facet>> {
 
 /// The horizontal axis of every plot.
 pub fn x_axis(results: &Results) -> XAxis {
-    XAxis::new(results.manifest.vary.first())
+    let Some(axis) = results.manifest.vary.first() else { return XAxis::of_one() };
+    let values: Vec<_> = axis.values.iter().map(|v| (v.number(), v.shown())).collect();
+    XAxis::of(&axis.keys, &values)
 }
 
 /// The plot of a metric in a group.

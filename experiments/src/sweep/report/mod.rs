@@ -3,6 +3,7 @@
 mod figures;
 mod page;
 mod pairs;
+mod seeds;
 #[cfg(test)]
 mod tests;
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::{figures, pairs};
-use crate::report::axis::short;
+use crate::report::axis::significant;
 use crate::report::page;
 use crate::report::shapes::escaped;
 use crate::sweep::manifest::Manifest;
@@ -180,16 +180,4 @@ fn cell(results: &Results, point: usize, key: &str, flown: usize) -> String {
         (open, _) => format!(" ({} of {flown} found all)", s.n - open),
     };
     format!("{bound}{mean}{reach}{of}")
-}
-
-/// With three or four digits that mean something.
-pub(super) fn significant(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return short(value);
-    }
-    let scale = 10f64.powf(2.0 - value.abs().log10().floor()).max(1e-9);
-    if value.abs() >= 1000.0 && value.abs() < 1e4 {
-        return format!("{value:.0}");
-    }
-    short((value * scale).round() / scale)
 }

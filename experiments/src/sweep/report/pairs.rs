@@ -2,11 +2,10 @@
 
 use std::fmt::Write;
 
-use super::page::significant;
+use super::seeds::SeedLines;
 use super::{figures, figures::Facet};
-use crate::report::axis::XAxis;
+use crate::report::axis::{XAxis, significant};
 use crate::report::page;
-use crate::report::seeds::SeedLines;
 use crate::report::shapes::escaped;
 use crate::sweep::metric::{Metric, metric};
 use crate::sweep::pairs::{Paired, Reference};

@@ -79,8 +79,9 @@ fn differences_within_a_seed_are_told_with_their_interval_and_count() {
     let noise = |number: f64, seed: f64| 2.0 * (seed * 2.7 + number).sin();
     let differences = [(0.0, 1.0), (1.0, 2.0), (3.0, 4.0)]
         .map(|(number, seed)| noise(number + 4.0, seed) - noise(number, seed) - 4.0);
-    let expected = crate::sweep::stats::stats(&differences).unwrap();
-    let [mean, reach] = [expected.mean, expected.half_width.unwrap()].map(super::page::significant);
+    let expected = crate::stats::stats(&differences).unwrap();
+    let [mean, reach] =
+        [expected.mean, expected.half_width.unwrap()].map(crate::report::axis::significant);
     assert!(section.contains(&format!("{mean} ± {reach}")), "{mean} ± {reach} in {section}");
     let lower = differences.iter().filter(|d| **d < 0.0).count();
     assert!(section.contains(&format!("{lower} better, {} worse", 3 - lower)), "{section}");

@@ -8,7 +8,7 @@ use serde_json::Value;
 use zenoh::Config;
 use zenoh::config::EndPoint;
 
-use super::finding::Finding;
+use super::finding::{Finding, Level};
 use csat_peer::wire::config::unsupported;
 
 /// How long a connection may take.
@@ -83,7 +83,7 @@ impl Places {
     pub fn reach(&self) -> Reached {
         let findings: Vec<Finding> =
             self.connect.iter().map(|endpoint| try_one(endpoint)).collect();
-        let is_bad = |finding: &Finding| finding.level == super::Level::Problem;
+        let is_bad = |finding: &Finding| finding.level == Level::Problem;
         Reached { is_hopeless: !findings.is_empty() && findings.iter().all(is_bad), findings }
     }
 }

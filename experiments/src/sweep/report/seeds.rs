@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
-use super::axis::{XAxis, YAxis, short};
-use super::shapes::{Frame, LEFT, RIGHT, WIDTH, escaped, path, rounded, whisker};
-use super::sheet::{Entry, Sheet, class, mark};
-use crate::sweep::pairs::Paired;
+use super::super::pairs::Paired;
+use crate::report::axis::{XAxis, YAxis, short};
+use crate::report::chart::undrawn;
+use crate::report::shapes::{Frame, LEFT, RIGHT, WIDTH, escaped, path, rounded, whisker};
+use crate::report::sheet::{Entry, Sheet, class, mark};
 
 /// The most seeds with a line each; the mean is over all.
 pub const MAX_LINES: usize = 100;
@@ -66,7 +67,7 @@ impl SeedLines<'_> {
             0..=MAX_LINES => String::new(),
             _ => format!(" Lines of the first {MAX_LINES} of {count} seeds."),
         };
-        lines + &super::chart::undrawn(self.pairs().map(|paired| &paired.stats))
+        lines + &undrawn(self.pairs().map(|paired| &paired.stats))
     }
 
     fn pairs(&self) -> impl Iterator<Item = &Paired> {
@@ -147,7 +148,6 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::sweep::vary::Axis;
 
     fn lines(x: &XAxis, seeds: u64) -> SeedLines<'_> {
         let values = |slope: f64| (1..=seeds).map(|s| (s, slope * s as f64)).collect();
@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn every_seed_has_its_line_from_no_difference_on() {
-        let x = XAxis::new(Some(&Axis::parse("a=1,2,3").unwrap()));
+        let x = XAxis::between("a", [1.0, 3.0], &[1.0, 2.0, 3.0]);
         let few = lines(&x, 4);
         let svg = few.svg();
         // One in the legend.
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn intervals_of_two_seeds_are_not_drawn_and_that_is_said() {
-        let x = XAxis::new(Some(&Axis::parse("a=1,2,3").unwrap()));
+        let x = XAxis::between("a", [1.0, 3.0], &[1.0, 2.0, 3.0]);
         let two = lines(&x, 2);
         assert_eq!(two.svg().matches("class=\"whisker\"").count(), 0);
         assert!(two.note().contains("n = 2"), "{}", two.note());
