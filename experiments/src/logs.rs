@@ -17,7 +17,7 @@ use csat_mission::stages::StageLayer;
 use csat_peer::wire::session::is_closing;
 
 /// What stderr gets by default. Zenoh's orchestrator warns of endpoints that cannot be had, with places in
-/// its source; whoever opens a session says the same in csat's words.
+/// its source; the code that opens a session says the same in csat's words.
 const DEFAULT: &str = "warn,zenoh::net::runtime::orchestrator=error";
 
 /// Where logs go. Clones share their targets.

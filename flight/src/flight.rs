@@ -46,7 +46,7 @@ pub enum FlightError<E> {
     Fleet(E),
 }
 
-/// One step, for whoever looks on.
+/// One step, for an audience.
 pub struct Moment<'a, M: Mission> {
     /// Simulated time, seconds.
     pub time_s: f64,
@@ -60,7 +60,7 @@ pub struct Moment<'a, M: Mission> {
     pub violations: u64,
 }
 
-/// Whoever looks on while a mission is flown: recordings, live pictures.
+/// Observes a mission while it is flown: recordings, live pictures.
 pub trait Audience<M: Mission> {
     /// How much the agents are to tell of the step that is about to begin.
     fn wants(&mut self, step: Step) -> Detail;
@@ -72,7 +72,7 @@ pub trait Audience<M: Mission> {
     fn see(&mut self, moment: &Moment<'_, M>) -> Result<(), RecordError>;
 }
 
-/// Several look on.
+/// Several audiences.
 impl<M: Mission> Audience<M> for Vec<&mut dyn Audience<M>> {
     fn wants(&mut self, step: Step) -> Detail {
         let wanted = self.iter_mut().map(|one| one.wants(step));
@@ -84,7 +84,7 @@ impl<M: Mission> Audience<M> for Vec<&mut dyn Audience<M>> {
     }
 }
 
-/// Somebody or nobody looks on.
+/// An audience, or none.
 impl<M: Mission, A: Audience<M>> Audience<M> for Option<A> {
     fn wants(&mut self, step: Step) -> Detail {
         self.as_mut().map_or(Detail::Brief, |audience| audience.wants(step))
@@ -95,7 +95,7 @@ impl<M: Mission, A: Audience<M>> Audience<M> for Option<A> {
     }
 }
 
-/// Nobody looks on.
+/// No audience.
 impl<M: Mission> Audience<M> for () {
     fn wants(&mut self, _: Step) -> Detail {
         Detail::Brief

@@ -22,12 +22,7 @@ pub struct Progress {
 impl Progress {
     /// For a mission of `steps` steps; `hidden` for output that programs read.
     pub fn new(kind: &'static Kind, steps: u32, targets: u16, hidden: bool) -> Self {
-        let visible = !hidden && std::io::stderr().is_terminal();
-        let target =
-            if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        let bar = ProgressBar::with_draw_target(Some(u64::from(steps)), target);
-        let style = ProgressStyle::with_template("{wide_bar} {msg}  eta {eta}");
-        bar.set_style(style.expect("the template is a constant"));
+        let bar = bar(u64::from(steps), style("{wide_bar} {msg}  eta {eta}"), hidden);
         Self { bar, watch: Stopwatch::start(), kind, targets }
     }
 
@@ -50,6 +45,18 @@ impl Progress {
     pub fn suspend<T>(&self, write: impl FnOnce() -> T) -> T {
         self.bar.suspend(write)
     }
+}
+
+/// The style of a constant template.
+pub fn style(template: &'static str) -> ProgressStyle {
+    ProgressStyle::with_template(template).expect("the template is a constant")
+}
+
+/// A bar of `length` on stderr; invisible when it is `hidden` or stderr is no terminal.
+pub fn bar(length: u64, style: ProgressStyle, hidden: bool) -> ProgressBar {
+    let visible = !hidden && std::io::stderr().is_terminal();
+    let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    ProgressBar::with_draw_target(Some(length), target).with_style(style)
 }
 
 fn describe(kind: &Kind, point: &Point, factor: f64, targets: u16, violations: u64) -> String {

@@ -21,7 +21,7 @@ pub struct Provenance {
     pub scenario: String,
     /// Its seed.
     pub seed: u64,
-    /// The line that whoever shows the map has to show with it.
+    /// The line that every program that shows the map has to show with it.
     pub map_attribution: Option<String>,
     /// What it ran on.
     pub machine: Machine,

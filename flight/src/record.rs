@@ -163,7 +163,7 @@ impl Recorder {
         self.folder.partial()
     }
 
-    /// The bar, for whoever writes to the same terminal.
+    /// The bar, for other writers to the same terminal.
     pub fn progress(&self) -> &Progress {
         &self.progress
     }

@@ -154,7 +154,7 @@ impl RunFolder {
     /// Gives the folder its final name and returns it.
     ///
     /// # Errors
-    /// When somebody else wrote into a named folder in the meantime, or the system refuses.
+    /// When another process wrote into a named folder in the meantime, or the system refuses.
     pub fn finish(self) -> Result<PathBuf, FolderError> {
         let mut attempts = 0;
         loop {
@@ -169,8 +169,8 @@ impl RunFolder {
     }
 }
 
-/// A new folder of this process. One that is there is somebody's: processes in containers that share
-/// a disk may have the same id, and what a dead one left is for its user to look at.
+/// A new folder of this process. One that is there belongs to another process: processes in containers
+/// that share a disk may have the same id, and the user may want to see what a dead process left.
 fn create_partial(parent: &Path, name: &str) -> Result<PathBuf, FolderError> {
     let id = std::process::id();
     let mut number = 1u64;

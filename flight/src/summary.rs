@@ -48,7 +48,7 @@ pub struct Summary {
     /// Checks and violations by promise.
     #[serde(default)]
     pub checked: CheckCounts,
-    /// Sets that turned out empty: an assumption failed or somebody lied.
+    /// Sets that turned out empty: an assumption failed or an agent sent false facts.
     pub inconsistencies: u64,
     /// The mission's own numbers: values at the end, milestones, and means over the second half of the mission
     /// and over the UAVs.

@@ -36,7 +36,7 @@ pub struct View {
     pub layers: Vec<Style>,
     /// What each agent knows, by index: the UAVs, then the stations.
     pub agents: Vec<Vec<Layer>>,
-    /// The line that whoever shows the map has to show with it.
+    /// The line that every program that shows the map has to show with it.
     pub attribution: Option<String>,
 }
 
@@ -83,7 +83,7 @@ pub struct UavTrack {
 }
 
 impl View {
-    /// The scenario and its town, with nobody in it yet.
+    /// The scenario and its town, without UAVs, stations and targets.
     pub fn of_town(loaded: &Loaded) -> Self {
         let map = loaded.world.map();
         let rounded = |ring: &[[f64; 2]]| ring.iter().map(|p| p.map(to_millimetre)).collect();

@@ -1,6 +1,6 @@
 //! What was probably meant by arguments that the command line does not know.
 //!
-//! What a mission is has no flags of its own: every key of a scenario is set by `--set`. So whoever
+//! What a mission is has no flags of its own: every key of a scenario is set by `--set`. So a user who
 //! writes `csat run --agents 6` is told `--set agents.count=6`.
 
 use clap::Command;

@@ -1,10 +1,10 @@
 //! `csat replay`: a recording as if it flew now.
 
-use std::io::IsTerminal;
 use std::sync::atomic::Ordering;
 
 use super::common;
 use crate::cli::ReplayArguments;
+use crate::progress;
 use crate::show::read::{self, Film};
 use crate::show::replay::play;
 use crate::show::truth;
@@ -13,7 +13,7 @@ use csat_mission::documents::Document;
 use csat_peer::tell;
 use csat_peer::wire::session::{self, Role};
 use csat_proto::keys::Keys;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use zenoh::bytes::Encoding;
 use zenoh::qos::{CongestionControl, Priority};
 use zenoh::{Session, Wait};
@@ -44,7 +44,7 @@ pub fn replay(arguments: &ReplayArguments) -> anyhow::Result<u8> {
     let has_ended =
         show(&film, arguments, &endpoints, &session, || !interrupted.load(Ordering::SeqCst));
     session::close(session);
-    // Whoever plays it forever ends it so.
+    // A user who plays it for ever ends it with Ctrl-C.
     Ok(if has_ended? || arguments.repeat { DONE } else { INTERRUPTED })
 }
 
@@ -117,13 +117,9 @@ fn answer(
 
 /// A bar of simulated seconds on stderr; invisible when stderr is no terminal.
 fn bar(film: &Film, speed: f64) -> ProgressBar {
-    let is_visible = std::io::stderr().is_terminal();
-    let target =
-        if is_visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let last_s = film.documents.last().map_or(0.0, read::Recorded::time_s);
-    let bar = ProgressBar::with_draw_target(Some(last_s as u64), target);
-    let style = ProgressStyle::with_template("{wide_bar} {pos} s of {len} s {msg}");
-    bar.set_style(style.expect("the template is a constant"));
+    let style = progress::style("{wide_bar} {pos} s of {len} s {msg}");
+    let bar = progress::bar(last_s as u64, style, false);
     bar.set_message(format!("({speed}x)"));
     bar
 }

@@ -15,7 +15,7 @@ use csat_peer::tell;
 /// `csat echo`.
 pub fn echo(arguments: &EchoArguments) -> anyhow::Result<u8> {
     // Ctrl-C is how it ends, so it is no failure. Some programs, such as `timeout`, ask twice at once;
-    // whoever asks once more does not want to wait, say for a reader of stdout that does not read.
+    // a user who asks once more does not want to wait, say for a reader of stdout that does not read.
     let interrupted = Arc::new(AtomicBool::new(false));
     let (seen, asked) = (interrupted.clone(), AtomicU32::new(0));
     ctrlc::set_handler(move || {

@@ -1,14 +1,14 @@
 //! What shows while a sweep flies: a line for each run that has ended, and on a terminal a bar below with
 //! the time left.
 
-use std::io::IsTerminal;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState};
 
 use super::pace::Pace;
 use super::plan::Run;
 use super::record::RunRecord;
+use crate::progress;
 use csat_peer::tell;
 
 /// Progress on stderr.
@@ -27,11 +27,6 @@ pub struct Bar {
 impl Bar {
     /// Of `total` runs of which `before` were flown earlier; `quiet` shows nothing at all.
     pub fn new(total: usize, before: usize, pace: Pace, quiet: bool) -> Self {
-        let visible = !quiet && std::io::stderr().is_terminal();
-        let target =
-            if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        let bar = ProgressBar::with_draw_target(Some((total - before) as u64), target);
-        let style = ProgressStyle::with_template("{wide_bar} {msg}  left {left}");
         let pace = Arc::new(Mutex::new(pace));
         let shared = pace.clone();
         let left = move |_: &ProgressState, text: &mut dyn std::fmt::Write| {
@@ -39,7 +34,8 @@ impl Bar {
             // A bar has no way to say that it could not be written.
             let _ = text.write_str(&pace.left());
         };
-        bar.set_style(style.expect("the template is a constant").with_key("left", left));
+        let style = progress::style("{wide_bar} {msg}  left {left}").with_key("left", left);
+        let bar = progress::bar((total - before) as u64, style, quiet);
         let this = Self { bar, pace, quiet, done: 0, before, total, failed: 0, violated: 0 };
         this.bar.set_message(this.describe());
         this.bar.enable_steady_tick(std::time::Duration::from_secs(1));

@@ -168,7 +168,7 @@ impl SweepFolder {
         Err(BadRun { path, reason })
     }
 
-    /// Where a run is while it flies: nobody's result.
+    /// Where a run is while it flies: no result yet.
     pub fn partial(&self, shard: Shard, run_name: &str) -> PathBuf {
         partial_of(&self.root, shard).join(run_name)
     }

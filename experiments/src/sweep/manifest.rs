@@ -95,7 +95,7 @@ impl Manifest {
         serde_json::to_string_pretty(self).expect("a manifest is JSON") + "\n"
     }
 
-    /// What is wrong with it, as it may be after somebody edited its file.
+    /// What is wrong with it, as it may be after a user edited its file.
     pub fn flaw(&self) -> Option<String> {
         if let Err(error) = super::seeds::parse_seeds(&self.seeds) {
             return Some(format!("seeds: {error}"));

@@ -48,7 +48,7 @@ impl Point {
         hash.clone_into(&mut self.scenario_hash);
     }
 
-    /// What in it does not belong to these axes, as it may be after somebody edited its file.
+    /// What in it does not belong to these axes, as it may be after a user edited its file.
     pub fn flaw(&self, axes: &[Axis]) -> Option<String> {
         if self.choice.len() != axes.len() {
             return Some(format!("{} choices for {} axes", self.choice.len(), axes.len()));

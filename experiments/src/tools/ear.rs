@@ -118,7 +118,7 @@ impl Drop for Ear {
     }
 }
 
-/// Zenoh's own thread waits for nobody.
+/// Zenoh's own thread never waits.
 fn hearing(
     sender: SyncSender<Heard>,
     queue: Arc<Queue>,

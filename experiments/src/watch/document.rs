@@ -28,7 +28,7 @@ struct Stamp {
 }
 
 impl Document {
-    /// A document of somebody else's bytes; `time_s` is that of its body, 0 without.
+    /// A document of the bytes of another process; `time_s` is that of its body, 0 without.
     ///
     /// # Errors
     /// What is wrong with it: a body must be one JSON object of at most [`MAX_BYTES`].

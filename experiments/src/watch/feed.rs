@@ -1,7 +1,7 @@
 //! The newest document of each topic.
 //!
 //! Pages are never told of every document: each keeps a [`Cursor`] and asks for what is newer, when
-//! it is ready for it. So a slow page costs no memory and delays nobody.
+//! it is ready for it. So a slow page costs no memory and does not delay other pages.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -151,7 +151,7 @@ impl Hub {
         self.state().history.to_json()
     }
 
-    /// Wakes whoever waits for something new.
+    /// Wakes the tasks that wait for something new.
     pub fn changes(&self) -> watch::Receiver<()> {
         self.changed.subscribe()
     }

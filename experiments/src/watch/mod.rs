@@ -11,9 +11,9 @@
 //! | [`page`] | the page |
 //! | [`arguments`] | the command line |
 //!
-//! Documents and topics are those of `docs/topics.md`; they pass through as they are. Whoever
-//! watches never slows a fleet: what is heard waits in a bounded queue, a page that is slow gets the
-//! newest state when it is ready for it, and sets of agents that nobody looks at are not sent.
+//! Documents and topics are those of `docs/topics.md`; they pass through as they are. Watching
+//! never slows a fleet: what is heard waits in a bounded queue, a slow page gets the newest state when it
+//! is ready for it, and sets of agents that no page shows are not sent.
 
 pub mod arguments;
 pub mod document;

@@ -1,4 +1,4 @@
-//! The page: one document that asks nobody else for anything.
+//! The page: one document that requests nothing from other servers.
 
 use std::hash::{BuildHasher, RandomState};
 

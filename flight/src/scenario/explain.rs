@@ -1,4 +1,4 @@
-//! Serde's errors in the words of somebody who writes scenarios.
+//! Serde's errors in the words of an author of scenarios.
 
 use super::mistake::{Mistake, did_you_mean};
 use super::source::Site;

@@ -7,7 +7,7 @@ use super::model::Scenario;
 use super::source::Sources;
 use super::tree;
 
-/// A warning for each radio whose `obstruction_db` somebody wrote though no building can come between
+/// A warning for each radio whose `obstruction_db` the user wrote though no building can come between
 /// two antennas: there are no ground stations, and every UAV flies above every roof.
 pub fn warnings(
     scenario: &Scenario,

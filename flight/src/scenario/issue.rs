@@ -5,7 +5,7 @@ use super::mistake::Mistake;
 /// A value that cannot be.
 #[derive(Debug, Clone)]
 pub struct Issue {
-    /// The keys that it depends on; the place is that of the first one that somebody wrote.
+    /// The keys that it depends on; the place is that of the first one that the user wrote.
     pub keys: Vec<String>,
     /// What to say.
     pub mistake: Mistake,

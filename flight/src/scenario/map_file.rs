@@ -45,7 +45,7 @@ pub fn resolve(
     }
 }
 
-/// Whoever names a file wants the town in it, whatever the kind was before; unless they ask for a
+/// A user who names a file wants the town in it, whatever the kind was before; unless they ask for a
 /// generated town in the same breath (or later), which is a contradiction for others to report.
 fn is_generated_on_purpose(file: &Site, sources: &Sources, tree: &tree::Table) -> bool {
     let Some(kind) = tree::exact(tree, "map.kind") else { return false };

@@ -87,7 +87,7 @@ impl Loaded {
         self.map.as_ref().filter(|map| !map.is_shipped)
     }
 
-    /// The scenario as a run folder keeps it, with the map and the tracks beside it: whoever flies the
+    /// The scenario as a run folder keeps it, with the map and the tracks beside it: a user who flies the
     /// run again flies over the same town and cars, however the files were edited since and wherever
     /// the folder went.
     pub fn kept(&self) -> Scenario {
@@ -195,7 +195,7 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
 }
 
 /// Puts an issue where it was made: at the first of its keys on the command line, else the first in a
-/// file. If that is not the key that the issue is told of, it is named as well: whoever sets one value
+/// file. If that is not the key that the issue is told of, it is named as well: a user who sets one value
 /// is not to be told only of another one that no longer fits.
 fn blame(issue: &Issue, sources: &Sources, tree: &tree::Table) -> Mistake {
     let written = || {

@@ -1,6 +1,6 @@
 //! From a tree of nodes to a [`Scenario`], with every mistake of type or name found on its own.
 //!
-//! Serde stops at the first error. So every value that somebody wrote is applied *alone* onto the
+//! Serde stops at the first error. So every value that the user wrote is applied *alone* onto the
 //! defaults and deserialised: each wrong one gives its own error, at its own place.
 
 use serde::Deserialize;

@@ -29,7 +29,7 @@ const MAX_PIXELS: usize = 16_777_216;
 /// The longest mission, and the longest that anything in it may take, seconds.
 const MAX_TIME_S: f64 = 1e6;
 
-/// The keys of whole numbers with what they may be: said in the same words to whoever writes 0, -1, 1.5
+/// The keys of whole numbers with what they may be: said in the same words to a user who writes 0, -1, 1.5
 /// and a million.
 const WHOLE_NUMBERS: [(&str, RangeInclusive<u64>, &str); 11] = [
     ("agents.count", 1..=1024, "a whole number from 1 to 1024"),
@@ -98,7 +98,7 @@ pub fn of_set_membership(scenario: &Scenario) -> Vec<Issue> {
     check.0
 }
 
-/// A path and all paths around it, inner ones first: what is wrong with a value that nobody wrote,
+/// A path and all paths around it, inner ones first: what is wrong with a value that the user did not write,
 /// such as a default, is said of the table that lacks it.
 fn with_ancestors(path: &str) -> Vec<String> {
     let ends = path.rmatch_indices(['.', '[']).map(|(end, _)| &path[..end]);

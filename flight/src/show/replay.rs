@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::read::{Film, Recorded};
 use csat_mission::timing::Stopwatch;
 
-/// The longest sleep, so that whoever wants it to end does not wait.
+/// The longest sleep, so that a user who ends it does not wait.
 const NAP: Duration = Duration::from_millis(50);
 
 /// Plays a film once: calls `show` with each document when its time has come, `speed` simulated

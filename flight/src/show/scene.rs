@@ -240,7 +240,7 @@ fn line(points: &[[f64; 2]], kind: LineType, thickness_px: f64, color: Color) ->
     }
 }
 
-/// A length to 1/16 m: such numbers end in zeros, which compress, and nobody sees the difference.
+/// A length to 1/16 m: such numbers end in zeros, which compress, and the difference is invisible.
 fn coarse(metres: f64) -> f64 {
     (metres * 16.0).round() / 16.0
 }

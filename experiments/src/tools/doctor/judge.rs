@@ -11,7 +11,7 @@ use crate::tools::keys::{When, intersects, nearest, when};
 use crate::tools::rates;
 use csat_mission::words::named;
 
-/// Why a session may be connected to nobody, though something takes connections.
+/// Why a session may have no peer, though something takes connections.
 pub const LOCKED_OUT: &str = "whoever takes the connection is no Zenoh that lets this one in: another \
                               program's port, TLS, access control, or a client (clients meet routers and \
                               peers only)";
@@ -21,7 +21,7 @@ pub fn unopened(problem: &str, advice: &str) -> Finding {
     Finding::problem("session", problem).advice(advice)
 }
 
-/// A session that is open. It `is_hopeless` when nobody takes connections.
+/// A session that is open. It `is_hopeless` when no process takes connections.
 pub fn session(zid: &str, peers: usize, places: &Places, is_hopeless: bool) -> Finding {
     if peers > 0 {
         let processes = if peers == 1 { "process" } else { "processes" };

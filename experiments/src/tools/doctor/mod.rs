@@ -35,9 +35,9 @@ use csat_peer::wire::session::{self, Role, WireArguments, WireError};
 
 /// How long it listens.
 const LISTENING: Duration = Duration::from_secs(2);
-/// How long somebody may take to connect.
+/// How long a connection may take.
 const PEERS_LIMIT: Duration = Duration::from_secs(2);
-/// The same where nobody takes connections.
+/// The same where no process takes connections.
 const HOPELESS_LIMIT: Duration = Duration::from_millis(300);
 /// How often that is looked at.
 const LOOK: Duration = Duration::from_millis(20);

@@ -1,4 +1,4 @@
-//! Endpoints: what is configured, and whether somebody takes connections there.
+//! Endpoints: what is configured, and whether a process takes connections there.
 
 use std::io;
 use std::net::{TcpStream, ToSocketAddrs};
@@ -32,7 +32,7 @@ pub struct Places {
 pub struct Reached {
     /// One for each endpoint.
     pub findings: Vec<Finding>,
-    /// There are endpoints to connect to, and nobody is at any of them.
+    /// There are endpoints to connect to, and no process takes connections at any of them.
     pub is_hopeless: bool,
 }
 

@@ -59,7 +59,7 @@ pub(super) fn judge(
     idle_radios(check, netem, &[facts, snapshots, plans]);
 }
 
-/// A radio that nobody names in `used` is a name mistyped: the radio that was meant keeps its
+/// A radio that is not in `used` is a name mistyped: the radio that was meant keeps its
 /// defaults, and a mission over other links than asked for would be flown without a word.
 fn idle_radios(check: &mut Check, netem: &NetemConfig, used: &[&str]) {
     for name in netem.channels.keys().filter(|name| !used.contains(&name.as_str())) {
