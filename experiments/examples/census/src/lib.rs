@@ -83,15 +83,18 @@ impl Offered for Census {
 
     /// Types and names are judged already. What is left: a margin that leaves room to fly, and an angle.
     fn judge_scenario(scenario: &Scenario) -> Vec<Issue> {
-        let Tables { census: Settings { margin_m, .. } } = scenario.own();
+        let Tables { census: Settings { margin_m, spread_deg, .. } } = scenario.own();
         let [width_m, depth_m] = scenario.map.size_m;
         let half_m = width_m.min(depth_m) / 2.0;
-        if (0.0..half_m).contains(&margin_m) {
-            return Vec::new();
-        }
-        let expected =
-            format!("from 0 m to less than half of the region's shorter side, {half_m} m");
-        vec![Issue::refused(&["census.margin_m", "map.size_m"], &margin_m.to_string(), &expected)]
+        let margin = (!(0.0..half_m).contains(&margin_m)).then(|| {
+            let expected =
+                format!("from 0 m to less than half of the region's shorter side, {half_m} m");
+            Issue::refused(&["census.margin_m", "map.size_m"], &margin_m.to_string(), &expected)
+        });
+        let spread = (!(0.0..=180.0).contains(&spread_deg)).then(|| {
+            Issue::refused(&["census.spread_deg"], &spread_deg.to_string(), "from 0 to 180 degrees")
+        });
+        margin.into_iter().chain(spread).collect()
     }
 }
 
