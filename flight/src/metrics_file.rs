@@ -14,6 +14,9 @@ const MIDDLE: [&str; 2] = ["bytes_sent", "violations"];
 /// The last column.
 const ROLE: &str = "role";
 
+/// No value is this great.
+const LIMIT: f64 = 1e15;
+
 /// The names of all columns, in order.
 pub fn header(columns: &[Column]) -> Vec<&'static str> {
     let keys = |of: Of| columns.iter().filter(move |c| c.of == of).map(|column| column.key);
@@ -58,7 +61,7 @@ pub enum TableError {
     #[error("it has no column `{0}`")]
     Column(&'static str),
     /// A value.
-    #[error("line {line}, column `{column}`: got `{got}`, expected a number")]
+    #[error("line {line}, column `{column}`: got `{got}`, expected a number below 1e15")]
     Value {
         /// Where.
         line: u64,
@@ -69,7 +72,7 @@ pub enum TableError {
     },
 }
 
-/// The curves of a `metrics.csv`. Of a mission's columns, those that the file lacks are not defined.
+/// The curves of a `metrics.csv`.
 ///
 /// # Errors
 /// When the file cannot be read or is no such table.
@@ -80,16 +83,15 @@ pub fn read(path: &Path, columns: &'static [Column]) -> Result<Curves, TableErro
     let required = |key| place(key).ok_or(TableError::Column(key));
     let (step, time_s, agent) = (required("step")?, required("time_s")?, required("agent")?);
     let role = place(ROLE);
-    let places: Vec<Option<usize>> = columns.iter().map(|column| place(column.key)).collect();
+    let places = columns.iter().map(|column| required(column.key));
+    let places: Vec<usize> = places.collect::<Result<_, _>>()?;
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record?;
         let of = |index: usize, column: &'static str| number_at(&record, index, column);
         let known =
             |index: usize, column| of(index, column)?.ok_or_else(|| bad(&record, index, column));
-        let value = |(place, column): (&Option<usize>, &Column)| {
-            place.map_or(Ok(None), |index| of(index, column.key))
-        };
+        let value = |(index, column): (&usize, &Column)| of(*index, column.key);
         let is_station = role.is_some_and(|index| &record[index] == "station");
         rows.push(Row {
             step: known(step, "step")? as u32,
@@ -110,7 +112,11 @@ fn number_at(
 ) -> Result<Option<f64>, TableError> {
     match &record[index] {
         "" => Ok(None),
-        text => text.parse().map(Some).map_err(|_| bad(record, index, column)),
+        text => match text.parse::<f64>() {
+            // Beyond this nothing that is measured is right, and nothing can be drawn.
+            Ok(value) if value.abs() < LIMIT => Ok(Some(value)),
+            _ => Err(bad(record, index, column)),
+        },
     }
 }
 
@@ -169,9 +175,15 @@ mod tests {
             read(&path, COLUMNS).unwrap_err().to_string()
         };
         assert_eq!(told("a,b\n1,2\n"), "it has no column `step`");
-        let text = "step,time_s,agent,seen\n0,0.0,0,1\n1,0.5,0,many\n";
-        assert_eq!(told(text), "line 3, column `seen`: got `many`, expected a number");
-        let text = "step,time_s,agent\n,0.0,0\n";
-        assert_eq!(told(text), "line 2, column `step`: got ``, expected a number");
+        assert_eq!(told("step,time_s,agent,seen\n"), "it has no column `share_pct`");
+        let head = "step,time_s,agent,seen,share_pct,age_s\n";
+        for (rows, complaint) in [
+            ("0,0.0,0,1,,\n1,0.5,0,many,,\n", "line 3, column `seen`: got `many`"),
+            ("0,0.0,0,1,-1e308,\n", "line 2, column `share_pct`: got `-1e308`"),
+            (",0.0,0,,,\n", "line 2, column `step`: got ``"),
+        ] {
+            let expected = format!("{complaint}, expected a number below 1e15");
+            assert_eq!(told(&format!("{head}{rows}")), expected);
+        }
     }
 }

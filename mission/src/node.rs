@@ -11,6 +11,7 @@ use csat_netem::fate::Sent;
 use csat_netem::link::{Arrival, Links};
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::Pose;
+use csat_proto::command::YawCommand;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
 use csat_proto::radio::{PhysicalHeader, Reception, bearing_rad};
@@ -200,7 +201,14 @@ impl<M: Mission> Node<M> {
             return Vec::new();
         }
         self.outbox.extend(std::iter::from_fn(|| self.agent.poll_transmit()));
-        self.commands.extend(std::iter::from_fn(|| self.agent.poll_command()));
+        let commands = std::iter::from_fn(|| self.agent.poll_command());
+        self.commands.extend(commands.filter(|YawCommand { yaw_rad }| {
+            // In one process as in many: such a number would not survive the way to the world.
+            if !yaw_rad.is_finite() {
+                tracing::error!(agent = %self.id, yaw_rad, "a command that is no heading is dropped");
+            }
+            yaw_rad.is_finite()
+        }));
         self.events.extend(std::iter::from_fn(|| self.agent.poll_event()));
         let said = |Transmit { channel, sequence, bytes }| Said {
             src: self.id,

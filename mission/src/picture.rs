@@ -133,7 +133,8 @@ impl Cells {
             [x + f64::from(column) * self.cell_m, y + f64::from(row) * self.cell_m]
         };
         self.runs.iter().map(move |&[row, from, to]| {
-            vec![at(from, row), at(to, row), at(to, row + 1), at(from, row + 1)]
+            let above = row.saturating_add(1);
+            vec![at(from, row), at(to, row), at(to, above), at(from, above)]
         })
     }
 }
@@ -171,7 +172,8 @@ impl Heat {
             let end = (value / self.maximum * f64::from(count)).ceil().min(f64::from(count));
             (value > 0.0).then(|| (end as u16).saturating_sub(1))
         };
-        let at = |index: usize| (index as u32 % self.columns, index as u32 / self.columns);
+        let columns = self.columns.max(1);
+        let at = |index: usize| (index as u32 % columns, index as u32 / columns);
         let of_band = |band: u16| {
             let values = self.values.iter().enumerate();
             let cells = values.filter(move |(_, value)| band_of(**value) == Some(band));

@@ -82,7 +82,10 @@ pub fn plot(dir: &Path, whose: Option<Whose>) -> anyhow::Result<u8> {
     };
     let pictures = match drawn {
         Ok(pictures) => pictures,
-        Err(error @ (PlotError::Read { .. } | PlotError::NoAgent { .. })) => {
+        Err(
+            error
+            @ (PlotError::Read { .. } | PlotError::Mission { .. } | PlotError::NoAgent { .. }),
+        ) => {
             tell!("error: {error}");
             return Ok(BAD_INPUT);
         }

@@ -86,7 +86,7 @@ impl Panel {
                     cells.origin_m[1] + f64::from(row) * cells.cell_m,
                 ])
             };
-            let ([x0, y0], [x1, y1]) = (corner(from, row), corner(to, row + 1));
+            let ([x0, y0], [x1, y1]) = (corner(from, row), corner(to, row.saturating_add(1)));
             write!(data, "M{x0:.1} {y0:.1}H{x1:.1}V{y1:.1}H{x0:.1}Z").expect("text grows");
         }
         Path::new().set("d", data)

@@ -18,6 +18,16 @@ pub enum PlotError {
         /// Why.
         reason: String,
     },
+    /// The run is of a mission that this program does not know.
+    #[error("`{}`: `mission` is `{got}`, expected one of {known}", path.display())]
+    Mission {
+        /// The summary.
+        path: PathBuf,
+        /// Its mission.
+        got: String,
+        /// Those that the program knows.
+        known: String,
+    },
     /// The mission has no such agent.
     #[error("--agent: got {got}, expected `all` or an agent from 0 to {last}")]
     NoAgent {

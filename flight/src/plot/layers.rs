@@ -5,7 +5,7 @@ use svg::node::element::{Circle, Definitions, Group, Line as Stroke, Path, Patte
 use super::canvas::{Panel, group, label, round};
 use super::colours::{UAV_COLOURS, uav_colour};
 use csat_mission::picture::{Cells, Content, Heat, Layer, Oem, Properties, Shapes};
-use csat_mission::style::{Colour, Fill, Line, Style};
+use csat_mission::style::{Colour, Fill, Form, Line, Style};
 
 /// Number of bands of height, or of other values.
 pub const BANDS: u16 = 5;
@@ -176,10 +176,14 @@ fn values(panel: &Panel, style: &Style, bands: &[Cells], all: Group) -> Group {
 
 /// A path in the colour of a value, 0 for that of the lowest band and 1 for that of the highest.
 pub fn value(style: &Style, share: f64, path: Path) -> Path {
-    path.set("fill", colour_of(&style.colour, &Properties::new()))
-        .set("fill-opacity", round(0.2 + 0.8 * share))
-        .set("stroke", "#ffffff")
-        .set("stroke-width", 0.3)
+    let path = path
+        .set("fill", colour_of(&style.colour, &Properties::new()))
+        .set("fill-opacity", round(0.2 + 0.8 * share));
+    match style.kind {
+        // Cells of a field stand side by side: between them nothing is to be seen.
+        Form::Heat => path.set("shape-rendering", "crispEdges"),
+        _ => path.set("stroke", "#ffffff").set("stroke-width", 0.3),
+    }
 }
 
 /// Bands that are not empty, with their places from 0 to 1.

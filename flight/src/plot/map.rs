@@ -109,7 +109,7 @@ fn header(view: &View, agent: usize) -> Group {
         count => format!(", {}", counted(count, "station")),
     };
     let subtitle = format!(
-        "what {} knows: {known} of {} cars identified; {} UAVs{stations}; {} m x {} m",
+        "what {} knows: {known} of {} cars; {} UAVs{stations}; {} m x {} m",
         view.name_of(agent),
         view.targets.len(),
         view.uavs.len(),

@@ -88,8 +88,10 @@ pub fn redraw(folder: &Path) -> Result<[PathBuf; 2], PlotError> {
     let summary: Summary = read_json(&folder.join("summary.json"))?;
     let path = folder.join("metrics.csv");
     let unreadable = |reason: String| PlotError::Read { path: path.clone(), reason };
-    let kind = missions::kind(&summary.mission).ok_or_else(|| {
-        unreadable(format!("its mission `{}` is none that this program knows", summary.mission))
+    let kind = missions::kind(&summary.mission).ok_or_else(|| PlotError::Mission {
+        path: folder.join("summary.json"),
+        got: summary.mission.clone(),
+        known: missions::names(),
     })?;
     let curves = metrics_file::read(&path, kind.columns).map_err(|e| unreadable(e.to_string()))?;
     if curves.fleet.points.is_empty() {

@@ -237,7 +237,7 @@ fn the_map_shows_every_layer() {
     assert_eq!(svg.matches(clipped).count(), 4, "footprints stay near the region");
     assert!(svg.contains("<clipPath id=\"near-region\">"));
     assert!(svg.contains("city, seed 1, t = 300 s"));
-    assert!(svg.contains("4 of 6 cars identified"));
+    assert!(svg.contains("4 of 6 cars;"));
     assert!(svg.contains("© OpenStreetMap contributors"));
     assert_eq!(svg.matches("class=\"uav\"").count(), 4);
     assert_eq!(svg.matches("class=\"car\"").count(), 6);
@@ -492,7 +492,7 @@ fn the_layers_of_any_mission_are_drawn() {
     assert!(
         svg.contains("≤0.20")
             && svg.contains("title of belief, per ha")
-            && svg.contains("2 of 6 cars identified")
+            && svg.contains("2 of 6 cars;")
     );
     assert!(svg.contains("url(#hatch-blocked-3)") && svg.contains("id=\"hatch-blocked-3\""));
     for gone in ["unexplored", "OEM", "NaN"] {

@@ -13,7 +13,11 @@ pub fn choose(
     tree: &mut Table,
     mistakes: &mut Vec<Mistake>,
 ) -> &'static dyn Listed {
-    let mission = named(sources, tree, mistakes);
+    let Some(mission) = named(sources, tree, mistakes) else {
+        // Which tables are right is not known then.
+        missions::all().iter().flat_map(|m| tables_of(*m)).for_each(|key| drop(tree.remove(&key)));
+        return default();
+    };
     let name = mission.kind().name;
     for other in missions::all().iter().filter(|other| other.kind().name != name) {
         for key in tables_of(*other) {
@@ -36,12 +40,21 @@ fn tables_of(mission: &dyn Listed) -> Vec<String> {
     all
 }
 
-fn named(sources: &Sources, tree: &mut Table, mistakes: &mut Vec<Mistake>) -> &'static dyn Listed {
-    let default = || missions::find(SET_MEMBERSHIP).unwrap_or(missions::all()[0]);
-    let Some(node) = tree::exact(tree, "mission") else { return default() };
-    let Kind::Leaf(toml::Value::String(name)) = &node.kind else { return default() };
+fn default() -> &'static dyn Listed {
+    missions::find(SET_MEMBERSHIP).unwrap_or(missions::all()[0])
+}
+
+/// The mission that the tree names, or the default one; `None`, with a mistake, if there is no such mission.
+fn named(
+    sources: &Sources,
+    tree: &mut Table,
+    mistakes: &mut Vec<Mistake>,
+) -> Option<&'static dyn Listed> {
+    let Some(node) = tree::exact(tree, "mission") else { return Some(default()) };
+    // A value of another type is told with those of all other keys.
+    let Kind::Leaf(toml::Value::String(name)) = &node.kind else { return None };
     if let Some(mission) = missions::find(name) {
-        return mission;
+        return Some(mission);
     }
     let known = || missions::all().iter().map(|mission| mission.kind().name);
     let mut mistake = Mistake::new(format!("`mission` cannot be `{name}`"))
@@ -52,5 +65,5 @@ fn named(sources: &Sources, tree: &mut Table, mistakes: &mut Vec<Mistake>) -> &'
     }
     mistakes.push(mistake);
     tree.remove("mission");
-    default()
+    None
 }

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::explain::{Failure, explain};
 use super::missions::{self, Listed};
 use super::mistake::Mistake;
-use super::model::Scenario;
+use super::model::{OF_SET_MEMBERSHIP, SET_MEMBERSHIP, Scenario};
 use super::source::{Site, Sources};
 use super::tree::Table;
 use super::unit::{Unit, collect, default_table};
@@ -167,7 +167,7 @@ fn attempt(
     let mut candidate = defaults.clone();
     apply(&mut candidate, &unit.path, value.clone(), unit.replaces);
     let error = form.scenario(candidate).err()?;
-    let message = error.message().to_owned();
+    let message = form.in_its_names(error.message());
     Some(Failure { message, culprit: None, missing: Vec::new() })
 }
 
@@ -182,6 +182,22 @@ impl Form<'_> {
         let mut defaults = default_table();
         defaults.extend(self.mission.tables());
         defaults
+    }
+
+    /// A message of serde with the tables that a scenario of this mission has: serde lists those of every
+    /// scenario.
+    fn in_its_names(&self, message: &str) -> String {
+        if !(message.starts_with("unknown field") && message.contains("`netem`")) {
+            return message.to_owned();
+        }
+        let mut message = message.to_owned();
+        if self.mission.kind().name != SET_MEMBERSHIP {
+            OF_SET_MEMBERSHIP
+                .iter()
+                .for_each(|key| message = message.replace(&format!("`{key}`, "), ""));
+        }
+        let own = self.mission.tables();
+        message + &own.keys().map(|key| format!(", `{key}`")).collect::<String>()
     }
 
     /// The scenario that a table is.

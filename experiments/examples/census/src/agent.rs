@@ -274,7 +274,8 @@ impl Agent for Counter {
     }
 
     fn digest(&self) -> u64 {
-        let known = (self.count.step, &self.count.sightings);
+        let Count { step, pose, ref sightings, .. } = self.count;
+        let known = (step, pose, sightings);
         xxh3_64(&postcard::to_stdvec(&known).expect("numbers always serialise"))
     }
 }

@@ -116,7 +116,11 @@ fn mistakes_are_told_with_their_places() {
         let told = told(&[set]);
         assert!(told.contains(expected), "{set}: {told}");
     }
-    assert!(told(&["mission=sensus"]).contains("did you mean `census`?"));
+    let misspelled = told(&["mission=sensus"]);
+    assert!(misspelled.contains("did you mean `census`?"), "{misspelled}");
+    assert!(!misspelled.contains("belongs to"), "one mistake: {misspelled}");
+    let unknown = told(&["sensus.share=true"]);
+    assert!(unknown.contains("`netem`, `census`") && !unknown.contains("`guidance`"), "{unknown}");
     let other = census(base.path(), &["check", "city", "--set", "census.share=false"]);
     let told = text(&other.stderr);
     assert!(told.contains("`census` belongs to the mission `census`"), "{told}");
