@@ -344,7 +344,8 @@ fn of_summary(kind: &Kind) -> Vec<Field> {
     fields.extend(of_stations.map(|m| milestone("stations[].", "station", m)));
     let half =
         "mean over the steps of the second half (t ≥ half of the time flown) and over the agents";
-    let means: [(&str, &'static str, fn(&Column) -> bool); 4] = [
+    type Means = (&'static str, &'static str, fn(&Column) -> bool);
+    let means: [Means; 4] = [
         ("", half, |column| column.in_summary),
         ("final.", "mean over the agents, at the last step", |column| column.in_summary),
         ("stations[].", "station, mean over the steps of the second half", |c| c.of_stations),

@@ -183,7 +183,10 @@ fn sample_series() -> Series {
             ("ground_seen_pct", Some(21.0 + 3.0 * wave(t, 7.0))),
             ("localization_error_m", (k > 20).then_some(1.0 + 0.4 * wave(t, 5.0).abs())),
             ("target_radius_m", (k > 20).then_some(14.0 + 4.0 * wave(t, 20.0))),
-            ("oem_iou_pct", (k % 50 != 0).then_some(75.0 * (1.0 - decay) + 6.0 * wave(t, 4.0))),
+            (
+                "oem_iou_pct",
+                (!k.is_multiple_of(50)).then_some(75.0 * (1.0 - decay) + 6.0 * wave(t, 4.0)),
+            ),
         ];
         Point { time_s: t, values: in_order(KIND.columns, values) }
     };

@@ -173,10 +173,11 @@ impl Counter {
     fn steer(&mut self, is_first: bool) {
         let Pose { p_world: [x, y, _], yaw_rad, .. } = self.count.pose;
         let ahead = [yaw_rad.cos(), yaw_rad.sin()];
-        let ends = [x, y].into_iter().zip(self.ground.size_m).zip(ahead);
-        let is_leaving = ends
-            .map(|((p, size), v)| p.abs() > size / 2.0 - self.settings.margin_m && p * v > 0.0)
-            .any(|is_near| is_near);
+        let mut ends = [x, y].into_iter().zip(self.ground.size_m).zip(ahead);
+        let is_near = |((p, size), v): ((f64, f64), f64)| {
+            p.abs() > size / 2.0 - self.settings.margin_m && p * v > 0.0
+        };
+        let is_leaving = ends.any(is_near);
         let middle_rad = (-y).atan2(-x);
         let course_rad = match (is_first, is_leaving) {
             (true, _) => yaw_rad + self.offset_rad,
