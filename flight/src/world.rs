@@ -99,10 +99,17 @@ pub fn fly<M: Offered>(
         pace: pace.realtime.map_or(Pace::Lockstep, Pace::Realtime),
     };
     let mission = M::of(&loaded.scenario);
-    let mut fleet = RemoteFleet::declare(session, &mission, welcome, count, pace.patience)
-        .map_err(cannot("declare the world's keys"))?;
+    let mut fleet = RemoteFleet::declare(
+        session,
+        &mission,
+        welcome,
+        count,
+        pace.patience,
+        options.interrupted.clone(),
+    )
+    .map_err(cannot("declare the world's keys"))?;
     if restarts {
-        fleet = fleet.with_restarts(options.interrupted.clone());
+        fleet = fleet.with_restarts();
     }
     let mut truth = TruthPublisher::declare(session, keys, &loaded, M::LAYERS)
         .map_err(cannot("declare the world's views"))?;

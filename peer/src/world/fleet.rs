@@ -37,8 +37,10 @@ pub struct RemoteFleet<M: Mission> {
     pub(super) render_times: Vec<StageTimes>,
     /// Real time: since the first frame.
     pub(super) since_start: Option<Stopwatch>,
-    /// `Some` if processes that end are started again; set when the user ends the mission.
-    pub(super) restarts: Option<Arc<AtomicBool>>,
+    /// Set when the mission is to end early.
+    pub(super) interrupted: Arc<AtomicBool>,
+    /// Whether processes that end are started again.
+    pub(super) restarts: bool,
     /// Since when no process takes part.
     pub(super) deserted: Option<Stopwatch>,
     pub(super) expected: Expected,
@@ -46,7 +48,7 @@ pub struct RemoteFleet<M: Mission> {
 
 impl<M: Mission> RemoteFleet<M> {
     /// A fleet of `count` agents without processes; a process that joins is told `welcome`. The fleet
-    /// waits for a process for `patience` at most.
+    /// waits for a process for `patience` at most. `interrupted` is set when the mission is to end early.
     ///
     /// # Errors
     /// When Zenoh does not declare the world's keys.
@@ -56,6 +58,7 @@ impl<M: Mission> RemoteFleet<M> {
         welcome: Welcome,
         count: usize,
         patience: Duration,
+        interrupted: Arc<AtomicBool>,
     ) -> zenoh::Result<Self> {
         Ok(Self {
             port: WorldPort::declare(session, &welcome, count)?,
@@ -64,7 +67,8 @@ impl<M: Mission> RemoteFleet<M> {
             render_times: vec![StageTimes::default(); count],
             patience,
             since_start: None,
-            restarts: None,
+            interrupted,
+            restarts: false,
             deserted: None,
             expected: Expected::new(welcome.pace),
             roster: Roster::new(welcome, count),
@@ -72,9 +76,9 @@ impl<M: Mission> RemoteFleet<M> {
     }
 
     /// The same fleet with processes that are started again when they end: when none is left it waits for
-    /// one, unless `interrupted`.
-    pub fn with_restarts(self, interrupted: Arc<AtomicBool>) -> Self {
-        Self { restarts: Some(interrupted), ..self }
+    /// one, unless the mission is to end early.
+    pub fn with_restarts(self) -> Self {
+        Self { restarts: true, ..self }
     }
 
     pub(super) fn member_mut(&mut self, agent: AgentId) -> &mut Member<M::Report> {
