@@ -105,7 +105,8 @@ impl Draw {
 }
 
 /// To keep clear of buildings a UAV must decide in time. Processes that crash or miss frames make no
-/// decisions, so their radios fail instead.
+/// decisions, so their radios fail instead. A clock that is ahead by a part of the period of decisions makes
+/// the first decision late, so clocks are ahead by whole periods.
 fn decided_in_time(
     scenario: &mut Scenario,
     mut healed: NetemConfig,
@@ -114,7 +115,12 @@ fn decided_in_time(
     for outage in scenario.netem.outage.iter_mut().chain(&mut healed.outage) {
         outage.kind = OutageKind::Radio;
     }
-    handicaps.iter_mut().for_each(|handicap| handicap.missed.clear());
+    let decision_steps =
+        (scenario.guidance.period_s / scenario.run.period_s).round().max(1.0) as u32;
+    for handicap in &mut handicaps {
+        handicap.missed.clear();
+        handicap.ahead -= handicap.ahead % decision_steps;
+    }
     (healed, handicaps)
 }
 
