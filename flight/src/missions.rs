@@ -129,9 +129,22 @@ pub fn of(scenario: &Scenario) -> Option<&'static dyn Flyable> {
 /// When the process cannot take part, or not go on.
 pub fn take_part(welcomed: Welcomed<'_>) -> Result<String, AgentError> {
     let scenario = Scenario::from_toml(&welcomed.welcome.scenario)
-        .map_err(|error| AgentError::Scenario(error.into()))?;
+        .map_err(|error| AgentError::Scenario(error.message().into()))?;
     let mission = of(&scenario).ok_or_else(|| {
         AgentError::Mission(scenario.mission.clone(), scenario::missions::names())
     })?;
     mission.take_part(welcomed, scenario)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The reader of scenarios does not know how missions are flown, and has a list of its own.
+    #[test]
+    fn the_missions_that_are_read_are_those_that_are_flown() {
+        let read: Vec<&str> = scenario::missions::all().iter().map(|m| m.kind().name).collect();
+        let flown: Vec<&str> = SHIPPED.iter().map(|mission| mission.kind().name).collect();
+        assert_eq!(read, flown);
+    }
 }

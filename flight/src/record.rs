@@ -22,6 +22,7 @@ use crate::timing::Timing;
 use crate::values::Numbers;
 use crate::view::View;
 use csat_mission::fleet::Frames;
+use csat_mission::measures::Column;
 use csat_mission::mission::Kind;
 use csat_mission::row::{Role, Row};
 use csat_mission::timing::Stopwatch;
@@ -267,7 +268,7 @@ impl Recorder {
     /// at the last step.
     fn numbers(&self) -> (Numbers, Numbers) {
         let Self { kind, curves: Curves { fleet, .. }, targets, .. } = self;
-        let (mut numbers, mut last) = (Numbers::default(), Numbers::default());
+        let mut numbers = Numbers::default();
         for column in kind.columns {
             if let Some(key) = column.last_as {
                 let value = fleet.last(column.key);
@@ -282,11 +283,23 @@ impl Recorder {
             let reached_s = fleet.reached_s(milestone.fleet, milestone.level, *targets);
             numbers.push(milestone.key, reached_s);
         }
-        for column in kind.columns.iter().filter(|column| column.in_summary) {
-            numbers.push(column.key, fleet.half_mean(column.key));
-            last.push(column.key, fleet.last(column.key));
-        }
+        let last = self.push_means(&mut numbers, fleet, |column| column.in_summary);
         (numbers, last)
+    }
+
+    /// Adds the means of some columns over the second half, and gives their values at the last step.
+    fn push_means(
+        &self,
+        numbers: &mut Numbers,
+        series: &Series,
+        is_wanted: impl Fn(&Column) -> bool,
+    ) -> Numbers {
+        let mut last = Numbers::default();
+        for column in self.kind.columns.iter().filter(|column| is_wanted(column)) {
+            numbers.push(column.key, series.half_mean(column.key));
+            last.push(column.key, series.last(column.key));
+        }
+        last
     }
 
     fn summarise_stations(&self, links: &[LinkRow]) -> Vec<StationSummary> {
@@ -295,17 +308,14 @@ impl Recorder {
             let series = self.curves.stations.get(&agent).unwrap_or(&nothing);
             let to_it = || links.iter().filter(|link| link.dst.0 == agent);
             let Station { x_m, y_m, z_m } = *station;
-            let (mut numbers, mut last) = (Numbers::default(), Numbers::default());
+            let mut numbers = Numbers::default();
             for milestone in self.kind.milestones {
                 if let Some(column) = milestone.station {
                     let reached_s = series.reached_s(column, milestone.level, self.targets);
                     numbers.push(milestone.key, reached_s);
                 }
             }
-            for column in self.kind.columns.iter().filter(|column| column.of_stations) {
-                numbers.push(column.key, series.half_mean(column.key));
-                last.push(column.key, series.last(column.key));
-            }
+            let last = self.push_means(&mut numbers, series, |column| column.of_stations);
             StationSummary {
                 agent,
                 x_m,

@@ -7,7 +7,7 @@ use csat_proto::camera::CameraModel;
 use csat_proto::ids::TargetId;
 use csat_proto::model::Ground;
 use csat_proto::raster::{Grid, Raster};
-use csat_proto::region::Region;
+use csat_proto::region::{Region, is_inside};
 
 use super::report::{Report, percent_of};
 
@@ -127,22 +127,13 @@ pub fn equivalent_radius_m(area_m2: f64) -> f64 {
 
 /// The number of targets in at least one footprint.
 pub fn targets_in_fov(footprints: &[Vec<[f64; 2]>], locations: &[[f64; 2]]) -> u16 {
-    let seen = |p: &&[f64; 2]| footprints.iter().any(|footprint| contains(footprint, **p));
+    let edges = |ring: &Vec<[f64; 2]>| {
+        let next = ring.iter().cycle().skip(1);
+        ring.iter().zip(next).map(|(a, b)| [*a, *b]).collect::<Vec<_>>()
+    };
+    let footprints: Vec<Vec<[[f64; 2]; 2]>> = footprints.iter().map(edges).collect();
+    let seen = |p: &&[f64; 2]| footprints.iter().any(|edges| is_inside(edges, **p));
     locations.iter().filter(seen).count() as u16
-}
-
-/// Whether a polygon contains a point, by the even-odd rule.
-fn contains(polygon: &[[f64; 2]], p: [f64; 2]) -> bool {
-    let mut inside = false;
-    for (i, a) in polygon.iter().enumerate() {
-        let b = polygon[(i + 1) % polygon.len()];
-        if (a[1] > p[1]) != (b[1] > p[1])
-            && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-        {
-            inside = !inside;
-        }
-    }
-    inside
 }
 
 /// What the fleet watches and has watched, (5.40)-(5.42), on a raster.
