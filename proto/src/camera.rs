@@ -250,6 +250,16 @@ impl CameraView {
         })
     }
 
+    /// The number of pixels per square metre of ground at image point (c, r), px/m²: f²·h/z³ for a camera at
+    /// height h that sees the point at depth z along its axis. 0 at or above the horizon.
+    pub fn resolution_px_m2(&self, c: f64, r: f64) -> f64 {
+        let inverse_depth = -self.ray_world(c, r).z / self.centre_world.z;
+        if inverse_depth <= 0.0 {
+            return 0.0;
+        }
+        self.focal_px.powi(2) * self.centre_world.z * inverse_depth.powi(3)
+    }
+
     /// The theoretical footprint F(x^u) ∩ {z = 0} as a counter-clockwise polygon (3.24), `world`,
     /// metres, cut at the ground distance where the slant range reaches d_max.
     ///
@@ -332,6 +342,22 @@ mod tests {
         assert!((far - 230.0).abs() < 1.5, "far {far}");
         let nearest_row = view.ground_point(240.0, 0.0).unwrap();
         assert!((nearest_row[0] - near).abs() < 1e-9, "row 0 looks at the nearest ground");
+    }
+
+    #[test]
+    fn resolution_is_pixels_per_area_on_the_ground() {
+        let pose =
+            Pose { p_world: [3.0, -7.0, 90.0], yaw_rad: 0.4, pitch_rad: -0.1, roll_rad: 0.26 };
+        let view = CameraModel { tilt_deg: 90.0, ..CameraModel::default() }.at(&pose);
+        for [c, r] in [[240.0, 180.0], [20.0, 350.0]] {
+            let e = 1e-3;
+            let corner = |dc: f64, dr: f64| view.ground_point(c + dc * e, r + dr * e).unwrap();
+            let [o, a, b] = [corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)];
+            let area = (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+            let expected = e * e / area.abs();
+            assert!((view.resolution_px_m2(c, r) / expected - 1.0).abs() < 1e-3);
+        }
+        assert_eq!(CameraModel::default().at(&pose).resolution_px_m2(240.0, 1e5), 0.0);
     }
 
     #[test]

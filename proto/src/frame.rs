@@ -54,4 +54,15 @@ pub struct Frame {
     pub depth: Vec<u16>,
     /// The identified targets, by increasing index.
     pub detections: Vec<Detection>,
+    /// Where a detector without labels found a target, or took something else for one: image point (c, r),
+    /// pixels. Such a frame has no labels, depths and identified targets.
+    pub sighting: Option<[f64; 2]>,
+}
+
+impl Frame {
+    /// A frame of a detector without labels.
+    pub fn of_detector(step: Step, pose: Pose, sighting: Option<[f64; 2]>) -> Self {
+        let (labels, depth, detections) = Default::default();
+        Self { step, pose, labels, depth, detections, sighting }
+    }
 }

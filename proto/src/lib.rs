@@ -6,7 +6,9 @@
 //! | [`time`] | simulated time and steps |
 //! | [`model`] | what all are told before the start: region, targets, fleet |
 //! | [`camera`] | the pinhole camera: rays, projection, image-to-ground homography |
+//! | [`detector`] | a detector with misses and false alarms |
 //! | [`frame`] | what a camera and its computer-vision system report |
+//! | [`fixed_wing`] | how a fixed-wing aircraft flies |
 //! | [`region`] | planar sets on an integer grid |
 //! | [`raster`] | planar sets as rows of bits, for what needs no guarantee |
 //! | [`oem`] | cells of the occupancy-elevation map |
@@ -48,7 +50,9 @@ pub mod agent;
 pub mod camera;
 pub mod command;
 pub mod control;
+pub mod detector;
 pub mod envelope;
+pub mod fixed_wing;
 pub mod frame;
 pub mod frame_wire;
 pub mod ids;

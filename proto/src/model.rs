@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Pose;
+use crate::fixed_wing::FixedWingModel;
 
 /// The ground X_g of the region of interest: an axis-aligned rectangle centred on the origin.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -125,6 +126,21 @@ pub struct FleetModel {
     pub yaw_settling_s: f64,
     /// Whether buildings may be higher than the UAVs fly; then UAVs fly around them.
     pub avoid_buildings: bool,
+    /// What flies.
+    pub vehicle: VehicleKind,
+    /// How it flies, if it is a fixed-wing aircraft.
+    pub fixed_wing: FixedWingModel,
+}
+
+/// What a UAV is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum VehicleKind {
+    /// A quadcopter: level, along its yaw.
+    #[default]
+    Quadcopter,
+    /// A fixed-wing aircraft: coordinated turns.
+    FixedWing,
 }
 
 impl FleetModel {
@@ -163,6 +179,8 @@ impl Default for FleetModel {
             start: Vec::new(),
             yaw_settling_s: 1.2,
             avoid_buildings: false,
+            vehicle: VehicleKind::default(),
+            fixed_wing: FixedWingModel::default(),
         }
     }
 }

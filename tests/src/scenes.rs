@@ -76,7 +76,7 @@ impl Case {
 /// A frame whose pixels are all Unknown: an agent that gets it only predicts.
 pub fn blind(camera: &CameraModel, step: Step, pose: Pose) -> Frame {
     let (labels, depth) = (vec![Label::Unknown; camera.pixels()], vec![0; camera.pixels()]);
-    Frame { step, pose, labels, depth, detections: Vec::new() }
+    Frame { labels, depth, ..Frame::of_detector(step, pose, None) }
 }
 
 fn config(rng: &mut ChaCha8Rng) -> AgentConfig {

@@ -174,7 +174,7 @@ mod tests {
             .map(|(row, column)| label(row, column))
             .collect();
         let depth = vec![0; model.pixels()];
-        let frame = Frame { step: Step(0), pose, labels, depth, detections: Vec::new() };
+        let frame = Frame { labels, depth, ..Frame::of_detector(Step(0), pose, None) };
         (view, frame)
     }
 

@@ -165,7 +165,7 @@ impl<M: Mission> Shell<M> {
             .map_err(|source| AgentError::Frame { step, source })?;
         header.check(camera, self.period_s, &labels)?;
         let detections = header.detections.clone();
-        self.node.look(time, || Frame { step, pose, labels, depth, detections });
+        self.node.look(time, || Frame { step, pose, labels, depth, detections, sighting: None });
         Ok(())
     }
 

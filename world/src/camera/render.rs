@@ -137,7 +137,7 @@ impl Renderer {
             _ => None,
         };
         let detections = detect::detections(&self.model, &labels, target_of, stream);
-        Frame { step, pose: *pose, labels, depth, detections }
+        Frame { step, pose: *pose, labels, depth, detections, sighting: None }
     }
 
     /// Makes every pixel Unknown.
