@@ -1,0 +1,31 @@
+//! The belief as guidance sees it: how probable each cell of a coarse raster is.
+
+use csat_proto::raster::Grid;
+
+/// Side of the cells, metres: the paper's grid.
+pub const CELL_M: f64 = 12.5;
+
+/// A probability for each cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SearchMap {
+    /// The cells.
+    pub grid: Grid,
+    /// Their probabilities, row by row from the south; their sum is 1.
+    pub mass: Vec<f64>,
+}
+
+/// A Gaussian.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gaussian {
+    /// The mean, `world`, metres.
+    pub mean: [f64; 2],
+    /// var(x), cov(x, y), var(y), m².
+    pub covariance: [f64; 3],
+}
+
+impl Gaussian {
+    /// The square root of the trace of the covariance, metres.
+    pub fn sigma_m(&self) -> f64 {
+        (self.covariance[0] + self.covariance[2]).max(0.0).sqrt()
+    }
+}
