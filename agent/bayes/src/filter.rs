@@ -139,7 +139,8 @@ impl Lag {
     /// The past follows a step at its distance.
     fn follow(&mut self, now: Step) {
         while self.next.0.saturating_add(self.steps) < now.0 {
-            step_on(&mut self.past, self.next, &self.frames_of(self.next));
+            let frames = self.frames_of(self.next);
+            step_on(&mut self.past, self.next, &frames);
             self.next.0 += 1;
             let next = self.next;
             self.recent.retain(|(step, _), _| *step >= next);
