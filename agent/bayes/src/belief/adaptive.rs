@@ -218,6 +218,11 @@ impl AdaptiveBelief {
         CellSet { cell_m, origin_m: self.base.origin(), rects }
     }
 
+    /// The values of all cells.
+    pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
+        self.leaves.iter().map(|leaf| self.cells[*leaf as usize].ln)
+    }
+
     /// How many cells there are.
     pub fn count(&self) -> usize {
         self.leaves.len()

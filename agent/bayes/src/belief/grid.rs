@@ -125,6 +125,15 @@ impl GridBelief {
         Gaussian { mean, covariance }
     }
 
+    /// The sums over all blocks of cells, which differ if beliefs do.
+    pub fn sums(&self) -> impl Iterator<Item = f64> + '_ {
+        let of = |block: &Block| {
+            let Block { max, min, mass, first: [x, y], second: [xx, xy, yy] } = *block;
+            [max, min, mass, x, y, xx, xy, yy]
+        };
+        self.blocks.iter().flat_map(of)
+    }
+
     /// The cells as squares with their probabilities; those with next to none are left out.
     pub fn squares(&self) -> Vec<Square> {
         const LEAST: f64 = -60.0;
@@ -271,12 +280,12 @@ impl GridBelief {
     fn refresh(&mut self) {
         for index in 0..self.blocks.len() {
             if std::mem::take(&mut self.is_stale[index]) {
-                self.blocks[index] = self.sums(index);
+                self.blocks[index] = self.sums_of(index);
             }
         }
     }
 
-    fn sums(&self, block: usize) -> Block {
+    fn sums_of(&self, block: usize) -> Block {
         let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
         for cell in self.cells_of(block) {
             min = min.min(self.ln[cell]);

@@ -155,6 +155,15 @@ impl Belief {
         square::tiles(&self.coarse, &self.representation.squares())
     }
 
+    /// Hands over numbers that differ if beliefs do, for a hash.
+    pub fn numbers(&self, add: &mut dyn FnMut(f64)) {
+        match &self.representation {
+            R::Grid(grid) => grid.sums().for_each(add),
+            R::Particles(particles, _) => particles.points().iter().flatten().copied().for_each(add),
+            R::Adaptive(cells) => cells.values().for_each(add),
+        }
+    }
+
     /// The particles, if it has any, `world`, metres.
     pub fn particles(&self) -> &[[f64; 2]] {
         match &self.representation {
