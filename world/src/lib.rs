@@ -7,9 +7,10 @@
 //! | [`map`] | the town: generated from a seed, or from a GeoJSON file |
 //! | [`obstacle`] | buildings, and exact distances to them |
 //! | [`road`] | where cars can drive |
-//! | [`target`] | the cars |
+//! | [`target`] | the cars, on roads and off them |
 //! | [`track`] | tracks that cars follow instead of driving on their own |
 //! | `uav` | how UAVs move; a new kind of vehicle implements its trait |
+//! | [`navigation`] | the errors of reported poses |
 //! | [`scene`] | the solids that cameras see |
 //! | [`camera`] | frames with exact labels, and the oracle that checks them |
 //! | [`radio`] | buildings as obstructions of radio |
@@ -34,6 +35,7 @@
 
 pub mod camera;
 pub mod map;
+pub mod navigation;
 pub mod obstacle;
 mod plane;
 pub mod radio;
