@@ -13,6 +13,7 @@
 //! | [`navigation`] | the errors of reported poses |
 //! | [`scene`] | the solids that cameras see |
 //! | [`camera`] | frames with exact labels, and the oracle that checks them |
+//! | [`sensor`] | what a UAV carries: a camera with labels, or one with a detector |
 //! | [`radio`] | buildings as obstructions of radio |
 //! | [`truth`] | the monitor |
 //!
@@ -42,6 +43,7 @@ pub mod radio;
 mod random;
 pub mod road;
 pub mod scene;
+pub mod sensor;
 pub mod target;
 pub mod track;
 pub mod truth;

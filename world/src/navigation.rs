@@ -153,9 +153,13 @@ mod tests {
         for noise in [Noise::White, Noise::GaussMarkov] {
             for from in [0, 1, 30] {
                 let (deviations, _) = statistics(noise, from, 1);
-                for (got, expected) in deviations.into_iter().zip(NavigationModel::default().sigma) {
+                for (got, expected) in deviations.into_iter().zip(NavigationModel::default().sigma)
+                {
                     // Four standard deviations of the estimate, 1/√8000 each.
-                    assert!((got / expected - 1.0).abs() < 0.045, "{noise:?} {from}: {deviations:?}");
+                    assert!(
+                        (got / expected - 1.0).abs() < 0.045,
+                        "{noise:?} {from}: {deviations:?}"
+                    );
                 }
             }
         }
@@ -182,9 +186,8 @@ mod tests {
         assert_eq!(navigation.reported(&pose()), pose());
         let mut poor = NavigationModel::default();
         poor.sigma[2] = 1e4;
-        let lowest = (0..20).map(|id| {
-            Navigation::new(poor, PERIOD_S, 1, AgentId(id)).reported(&pose()).p_world[2]
-        });
+        let lowest = (0..20)
+            .map(|id| Navigation::new(poor, PERIOD_S, 1, AgentId(id)).reported(&pose()).p_world[2]);
         assert_eq!(lowest.fold(f64::INFINITY, f64::min), 1.0);
     }
 

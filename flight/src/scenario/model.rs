@@ -155,6 +155,7 @@ impl Scenario {
             fleet: self.agents.clone(),
             stations: self.stations.clone(),
             camera: self.camera,
+            navigation: None,
             period_s: self.run.period_s,
         }
     }

@@ -333,7 +333,10 @@ mod tests {
         let config =
             MapConfig { kind: MapKind::Open, size_m: [600.0, 400.0], ..MapConfig::default() };
         let map = load(&config, &RULES, 1).unwrap();
-        assert_eq!((map.ground.size_m, map.obstacles.len(), map.roads.len()), ([600.0, 400.0], 0, 0));
+        assert_eq!(
+            (map.ground.size_m, map.obstacles.len(), map.roads.len()),
+            ([600.0, 400.0], 0, 0)
+        );
         assert!(map.built_share().is_sign_positive(), "no -0");
         let wrong = MapConfig {
             file: Some("x.geojson".into()),

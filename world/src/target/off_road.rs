@@ -41,12 +41,7 @@ impl OffRoad<'_> {
     }
 
     /// Whether all of the straight way between two places is open and `has_room`.
-    pub(super) fn is_free(
-        &self,
-        from: Point,
-        to: Point,
-        has_room: impl Fn(Point) -> bool,
-    ) -> bool {
+    pub(super) fn is_free(&self, from: Point, to: Point, has_room: impl Fn(Point) -> bool) -> bool {
         let pieces = (distance_m(from, to) / WAY_STEP_M).ceil().max(1.0) as u32;
         let way = (1..=pieces).map(|i| between(from, to, f64::from(i) / f64::from(pieces)));
         let mut way = way.chain([to]);
@@ -101,9 +96,8 @@ impl Walkers {
         for id in (0..model.count).map(TargetId) {
             let mut rng = stream(seed, StreamPurpose::Place(id));
             let heading_rad = turned(0.0, rng.random_range(0.0..TAU), TAU);
-            let place = (0..PLACEMENT_DRAWS).map(|_| {
-                ground.ground.size_m.map(|side_m| (rng.random::<f64>() - 0.5) * side_m)
-            });
+            let place = (0..PLACEMENT_DRAWS)
+                .map(|_| ground.ground.size_m.map(|side_m| (rng.random::<f64>() - 0.5) * side_m));
             let fits = |place: &Point| {
                 ground.is_open(*place) && has_room(&truths, separation_m, None, *place)
             };
