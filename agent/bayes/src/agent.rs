@@ -85,6 +85,8 @@ pub struct BayesAgent {
     is_pending: bool,
     /// Factors that are held and were not applied yet.
     news: Vec<Factor>,
+    /// The factors that it got to hold in the step before, and in this one.
+    recent: [Vec<Factor>; 2],
     /// Beliefs of others that were not fused yet.
     beliefs: Vec<Arc<Tiles>>,
     neighbours: BTreeMap<AgentId, NeighbourPlan>,
@@ -110,6 +112,7 @@ impl BayesAgent {
             own: None,
             is_pending: false,
             news: Vec::new(),
+            recent: Default::default(),
             beliefs: Vec::new(),
             neighbours: BTreeMap::new(),
             rejected: BTreeMap::new(),
@@ -134,6 +137,11 @@ impl BayesAgent {
     /// The factors that the agent holds.
     pub fn factors(&self) -> &FactorSet {
         &self.set
+    }
+
+    /// The factors that it got to hold in this step and in the one before.
+    pub fn recent(&self) -> impl Iterator<Item = &Factor> {
+        self.recent.iter().flatten()
     }
 
     /// The factor of its last frame; `None` before the first one, and of a ground station.
@@ -176,9 +184,12 @@ impl BayesAgent {
         // A frame that is still pending had no timeout: the driver is late.
         self.update();
         (self.step, self.pose, self.has_begun, self.is_pending) = (step, pose, true, true);
+        self.recent.rotate_left(1);
+        self.recent[1].clear();
         self.own = sighting.map(|sighting| self.exchange.state(step, &pose, sighting));
         if let Some(factor) = self.own {
             self.set.insert(factor);
+            self.recent[1].push(factor);
             self.news.push(factor);
         }
         self.report_sighting();
@@ -252,6 +263,7 @@ impl BayesAgent {
         let conflicts = self.set.conflicts();
         for factor in factors {
             let is_new = self.set.insert(factor);
+            self.recent[1].extend(is_new.then_some(factor));
             if is_new || is_on(Mutant::FactorAppliedTwice) {
                 let pose = if is_on(Mutant::OwnPoseForOthers) {
                     ReportedPose::from(&self.pose)

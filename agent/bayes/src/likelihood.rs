@@ -339,11 +339,22 @@ impl ImagePoint {
     /// N(z; U(x), Σ(x)), per square pixel.
     #[inline]
     fn density(&self, z: [f64; 2]) -> f64 {
+        let determinant = self.determinant();
+        (-0.5 * self.distance_squared(z)).exp() / (std::f64::consts::TAU * determinant.sqrt())
+    }
+
+    /// The square of the Mahalanobis distance of an image point, pixels, from the mean.
+    #[inline]
+    pub fn distance_squared(&self, z: [f64; 2]) -> f64 {
         let [cc, cr, rr] = self.covariance;
-        let determinant = cc * rr - cr * cr;
         let (c, r) = (z[0] - self.mean[0], z[1] - self.mean[1]);
-        let square = (rr * c * c - 2.0 * cr * c * r + cc * r * r) / determinant;
-        (-0.5 * square).exp() / (std::f64::consts::TAU * determinant.sqrt())
+        (rr * c * c - 2.0 * cr * c * r + cc * r * r) / self.determinant()
+    }
+
+    #[inline]
+    fn determinant(&self) -> f64 {
+        let [cc, cr, rr] = self.covariance;
+        cc * rr - cr * cr
     }
 }
 
