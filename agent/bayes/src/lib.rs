@@ -1,6 +1,7 @@
 //! What one aircraft of the Bayesian search knows and does (Tisdale et al. 2008).
 pub mod config;
 pub mod factor;
+pub mod guidance;
 pub mod likelihood;
 pub mod mutant;
 pub mod search_map;
