@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use super::issue::Issue;
 use super::mistake::quoted_list;
 use super::model::Scenario;
+use crate::bayes::Bayes;
 use crate::set_membership::SetMembership;
 
 /// A mission that scenarios can ask for.
@@ -109,8 +110,9 @@ pub fn install(missions: Vec<&'static dyn Listed>) {
 
 /// The list of this program; without one that was installed, the missions that ship with csat.
 pub fn all() -> &'static [&'static dyn Listed] {
-    const SHIPPED: &dyn Listed = &Entry::<SetMembership>::new();
-    INSTALLED.get_or_init(|| vec![SHIPPED])
+    const SHIPPED: [&dyn Listed; 2] =
+        [&Entry::<SetMembership>::new(), &Entry::<Bayes>::new()];
+    INSTALLED.get_or_init(|| SHIPPED.to_vec())
 }
 
 /// A mission by its name.

@@ -2,6 +2,7 @@
 //!
 //! The town's own values (`map.*`) are judged by `csat-world` when it makes the town.
 
+pub mod bayes;
 mod camera;
 mod cost;
 mod exchange;
