@@ -5,11 +5,11 @@ use std::sync::OnceLock;
 use csat_peer::agent::{AgentError, Setup, Welcomed};
 use zenoh::Session;
 
+use crate::bayes::Bayes;
 use crate::flight::{self, RunOptions};
 use crate::record::{Outcome, RecordError, Recorder};
 pub use crate::scenario::missions::{Entry, Listed, Offered};
 use crate::scenario::{self, Loaded, Scenario};
-use crate::bayes::Bayes;
 use crate::set_membership::SetMembership;
 use crate::show::recording::Recording;
 use crate::world::{self, WorldError, WorldOptions};

@@ -272,11 +272,7 @@ impl Recorder {
         for column in kind.columns {
             if let Some(key) = column.last_as {
                 let value = fleet.last(column.key);
-                if column.is_count {
-                    numbers.push_count(key, value)
-                } else {
-                    numbers.push(key, value)
-                }
+                numbers.push_of(column, key, value);
             }
         }
         for milestone in kind.milestones {

@@ -26,6 +26,7 @@ impl Point {
         let first = rows.first()?;
         let value = |(index, column): (usize, &Column)| match column.of {
             Of::Fleet => first.values[index],
+            Of::Agent if column.is_flag => first.values[index],
             Of::Agent => mean(rows.iter().map(|row| row.values[index])),
         };
         Some(Self { time_s: first.time_s, values: columns.iter().enumerate().map(value).collect() })

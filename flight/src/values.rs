@@ -18,14 +18,19 @@ impl Numbers {
         self.0.push((key.to_owned(), value.map_or(Value::Null, Value::from)));
     }
 
-    /// Adds a count, which is written without decimals.
-    pub fn push_count(&mut self, key: &str, value: Option<f64>) {
-        self.0.push((key.to_owned(), value.map_or(Value::Null, |count| Value::from(count as u64))));
+    /// Adds a value of a column: a count without decimals, yes or no as `true` or `false`.
+    pub fn push_of(&mut self, column: &Column, key: &str, value: Option<f64>) {
+        let value = value.map_or(Value::Null, |value| match column {
+            Column { is_flag: true, .. } => Value::from(value >= 0.5),
+            Column { is_count: true, .. } => Value::from(value as u64),
+            _ => Value::from(value),
+        });
+        self.0.push((key.to_owned(), value));
     }
 
     /// A number by its key; `None` if it is not there or not defined.
     pub fn get(&self, key: &str) -> Option<f64> {
-        self.0.iter().find(|(name, _)| name == key)?.1.as_f64()
+        number(&self.0.iter().find(|(name, _)| name == key)?.1)
     }
 
     /// Changes a number, or adds it.
@@ -65,7 +70,7 @@ impl<'de> Deserialize<'de> for Numbers {
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Numbers, A::Error> {
                 let mut numbers = Numbers::default();
                 while let Some((key, value)) = map.next_entry::<String, Value>()? {
-                    if value.is_number() || value.is_null() {
+                    if value.is_number() || value.is_null() || value.is_boolean() {
                         numbers.0.push((key, value));
                     }
                 }
@@ -76,10 +81,17 @@ impl<'de> Deserialize<'de> for Numbers {
     }
 }
 
+/// A value of a summary as a number: yes is 1, no is 0.
+pub fn number(value: &Value) -> Option<f64> {
+    value.as_f64().or_else(|| value.as_bool().map(|yes| f64::from(u8::from(yes))))
+}
+
 /// A value with its unit, for people: a count of targets as a share of all.
 pub fn in_words(column: &Column, value: Option<f64>, targets: u16) -> String {
     match (value, column.unit) {
         (None, _) => "-".to_owned(),
+        (Some(value), _) if column.is_flag => (if value >= 0.5 { "yes" } else { "no" }).to_owned(),
+        (Some(value), "") => format!("{value:.3}"),
         (Some(value), "targets") => format!("{}/{targets}", short(value)),
         (Some(value), unit) if column.is_count => format!("{} {unit}", short(value)),
         (Some(value), unit) => format!("{value:.2} {unit}"),

@@ -31,6 +31,9 @@ pub struct Column {
     pub source: &'static str,
     /// Whether it counts something: files give it without decimals.
     pub is_count: bool,
+    /// Whether it says yes (1) or no (0). Of the UAVs together it is what the first one says, and the summary has
+    /// `true` or `false`.
+    pub is_flag: bool,
     /// Whether the summary has its mean over the second half and over the UAVs, and the same at the end.
     pub in_summary: bool,
     /// Whether the summary has these of each ground station.
@@ -73,6 +76,7 @@ impl Column {
             meaning: "",
             source: "",
             is_count: false,
+            is_flag: false,
             in_summary: false,
             of_stations: false,
             last_as: None,
@@ -98,6 +102,11 @@ impl Column {
     /// The same, as a count.
     pub const fn count(self) -> Self {
         Self { is_count: true, ..self }
+    }
+
+    /// The same, as yes or no.
+    pub const fn flag(self) -> Self {
+        Self { is_count: true, is_flag: true, ..self }
     }
 
     /// The same, with means in the summary.

@@ -145,7 +145,10 @@ pub struct Kind {
 impl Kind {
     /// The columns that sweeps, reports and summaries for people show: first those of the headline.
     pub fn plotted(&self) -> impl Iterator<Item = &'static Column> {
-        let is_plotted = |column: &&Column| column.in_summary && column.plot.is_some();
+        let is_plotted = |column: &&Column| {
+            let is_in_summary = column.in_summary || column.last_as == Some(column.key);
+            is_in_summary && column.plot.is_some()
+        };
         let is_first = |column: &&Column| self.headline.contains(&column.key);
         let (first, others): (Vec<_>, Vec<_>) =
             self.columns.iter().filter(is_plotted).partition(is_first);

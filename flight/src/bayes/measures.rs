@@ -43,22 +43,19 @@ impl Measures<Report> for BayesMeasures {
             let stated = self.stated.entry((factor.id.source, factor.id.incarnation)).or_default();
             *stated = (*stated).max(u64::from(factor.id.number) + 1);
         }
-        let is_detection = |report: &&&Report| {
-            targets.iter().any(|location| self.is_detection(report, *location))
-        };
+        let is_detection =
+            |report: &&&Report| targets.iter().any(|location| self.is_detection(report, *location));
         let now = uavs.iter().filter(is_detection).count() as u64;
         self.detections += now;
-        vec![
-            ("true_detections", Some(now as f64)),
-            ("detections", Some(self.detections as f64)),
-        ]
+        vec![("true_detections", Some(now as f64)), ("detections", Some(self.detections as f64))]
     }
 
     fn agent(&self, report: &Report, targets: &[[f64; 2]]) -> Values {
         let target = targets.first();
         let [x, y] = report.estimate.mean;
         let stated: u64 = self.stated.values().sum();
-        let held_pct = (stated > 0).then(|| (100.0 * report.held as f64 / stated as f64).min(100.0));
+        let held_pct =
+            (stated > 0).then(|| (100.0 * report.held as f64 / stated as f64).min(100.0));
         let is_in = target.map(|p| f64::from(u8::from(report.region.contains(*p))));
         let mut values = stats(report);
         values.push(("localization_error_m", target.map(|p| (p[0] - x).hypot(p[1] - y))));

@@ -110,8 +110,7 @@ pub fn install(missions: Vec<&'static dyn Listed>) {
 
 /// The list of this program; without one that was installed, the missions that ship with csat.
 pub fn all() -> &'static [&'static dyn Listed] {
-    const SHIPPED: [&dyn Listed; 2] =
-        [&Entry::<SetMembership>::new(), &Entry::<Bayes>::new()];
+    const SHIPPED: [&dyn Listed; 2] = [&Entry::<SetMembership>::new(), &Entry::<Bayes>::new()];
     INSTALLED.get_or_init(|| SHIPPED.to_vec())
 }
 

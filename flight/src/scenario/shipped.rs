@@ -20,7 +20,7 @@ impl Shipped {
 }
 
 /// Every shipped scenario; the first is the default.
-pub const SCENARIOS: [Shipped; 7] = [
+pub const SCENARIOS: [Shipped; 8] = [
     Shipped { name: "city", text: include_str!("../../../experiments/scenarios/city.toml") },
     Shipped {
         name: "city-range100",
@@ -46,6 +46,7 @@ pub const SCENARIOS: [Shipped; 7] = [
         name: "helsinki-17",
         text: include_str!("../../../experiments/scenarios/helsinki-17.toml"),
     },
+    Shipped { name: "tisdale", text: include_str!("../../../experiments/scenarios/tisdale.toml") },
 ];
 
 const MAPS: [(&str, &str); 2] = [

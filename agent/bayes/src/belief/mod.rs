@@ -159,7 +159,9 @@ impl Belief {
     pub fn numbers(&self, add: &mut dyn FnMut(f64)) {
         match &self.representation {
             R::Grid(grid) => grid.sums().for_each(add),
-            R::Particles(particles, _) => particles.points().iter().flatten().copied().for_each(add),
+            R::Particles(particles, _) => {
+                particles.points().iter().flatten().copied().for_each(add)
+            }
             R::Adaptive(cells) => cells.values().for_each(add),
         }
     }

@@ -160,7 +160,8 @@ fn camera(check: &mut Check, scenario: &Scenario) {
 }
 
 fn belief(check: &mut Check, belief: &BeliefConfig, size_m: [f64; 2]) {
-    let cells = |side_m: f64| size_m.iter().map(|size| (size / side_m).ceil().max(1.0)).product::<f64>();
+    let cells =
+        |side_m: f64| size_m.iter().map(|size| (size / side_m).ceil().max(1.0)).product::<f64>();
     let side = belief.cell_m;
     let count = cells(side);
     let holds = side > 0.0 && side.is_finite() && count <= MAX_CELLS;
@@ -211,7 +212,12 @@ fn exchange(
     );
     let name = &exchange.channel;
     let is_known = scenario.netem.channel_id(name).is_some();
-    check.that(is_known, &["exchange.channel"], &format!("`{name}`"), "the name of a radio of [netem]");
+    check.that(
+        is_known,
+        &["exchange.channel"],
+        &format!("`{name}`"),
+        "the name of a radio of [netem]",
+    );
 }
 
 fn guidance(check: &mut Check, guidance: &GuidanceConfig, scenario: &Scenario) {
