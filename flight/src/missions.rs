@@ -9,6 +9,7 @@ use crate::flight::{self, RunOptions};
 use crate::record::{Outcome, RecordError, Recorder};
 pub use crate::scenario::missions::{Entry, Listed, Offered};
 use crate::scenario::{self, Loaded, Scenario};
+use crate::bayes::Bayes;
 use crate::set_membership::SetMembership;
 use crate::show::recording::Recording;
 use crate::world::{self, WorldError, WorldOptions};
@@ -106,7 +107,7 @@ fn recording<M: Offered>(flight: &Request<'_>) -> Result<Option<Recording<M>>, R
 pub type Missions = &'static [&'static dyn Flyable];
 
 /// What `csat` flies.
-pub const SHIPPED: Missions = &[&Entry::<SetMembership>::new()];
+pub const SHIPPED: Missions = &[&Entry::<SetMembership>::new(), &Entry::<Bayes>::new()];
 
 static INSTALLED: OnceLock<Missions> = OnceLock::new();
 

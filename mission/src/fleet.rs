@@ -12,8 +12,9 @@ use csat_proto::camera::Pose;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::{SimTime, Step};
-use csat_world::camera::Renderer;
 use csat_world::scene::Scene;
+use csat_world::sensor::{Sensor, Sight};
+use csat_world::target::TargetTruth;
 use serde::{Deserialize, Serialize};
 use tracing::info_span;
 
@@ -43,8 +44,12 @@ pub struct Brief {
     pub seed: u64,
     /// What cameras see.
     pub scene: Scene,
+    /// The targets, by index.
+    pub targets: Vec<TargetTruth>,
     /// Where the agents are, by index.
     pub poses: Vec<Pose>,
+    /// Where they are told they are, by index.
+    pub reported: Vec<Pose>,
     /// The life of each agent, `None` while it is down.
     pub lives: Vec<Option<Incarnation>>,
     /// Whether the scenario has it that an agent is down, by index: then it takes no process to be.
@@ -55,17 +60,19 @@ pub struct Brief {
 
 impl Brief {
     /// The frame of a UAV.
-    pub fn frame(&self, renderer: &mut Renderer, id: AgentId) -> Frame {
-        let pose = &self.poses[usize::from(id.0)];
-        info_span!("render")
-            .in_scope(|| renderer.frame(&self.scene, pose, self.step, self.seed, id))
+    pub fn frame(&self, sensor: &mut Sensor, id: AgentId) -> Frame {
+        let index = usize::from(id.0);
+        let (pose, reported) = (&self.poses[index], &self.reported[index]);
+        let Self { step, seed, scene, targets, .. } = self;
+        let sight = Sight { step: *step, seed: *seed, scene, targets };
+        info_span!("render").in_scope(|| sensor.frame(&sight, id, pose, reported))
     }
 }
 
-/// The renderers of the agents' cameras, by index; `None` for agents without one.
-pub fn renderers<M: Mission>(mission: &M, count: usize) -> Vec<Option<Renderer>> {
-    let cameras = (0..count).map(|index| mission.camera(AgentId(index as u16)));
-    cameras.map(|camera| camera.map(Renderer::new)).collect()
+/// The sensors of the agents, by index; `None` for agents without one.
+pub fn sensors<M: Mission>(mission: &M, count: usize) -> Vec<Option<Sensor>> {
+    let models = (0..count).map(|index| mission.sensor(AgentId(index as u16)));
+    models.map(|model| model.map(Sensor::new)).collect()
 }
 
 /// One agent's step, as told to its observers.

@@ -9,10 +9,10 @@ use csat_netem::link::{LinkId, Links};
 use csat_netem::propagation::Obstruction;
 use csat_proto::ids::AgentId;
 use csat_proto::time::SimTime;
-use csat_world::camera::Renderer;
+use csat_world::sensor::Sensor;
 use rayon::prelude::*;
 
-use crate::fleet::{Brief, Fleet, Flown, Frames, renderers};
+use crate::fleet::{Brief, Fleet, Flown, Frames, sensors};
 use crate::mission::Mission;
 use crate::node::{Node, Said};
 
@@ -20,8 +20,8 @@ use crate::node::{Node, Said};
 pub struct LocalFleet<M: Mission> {
     mission: M,
     nodes: Vec<Node<M>>,
-    /// By index; `None` for agents without camera.
-    renderers: Vec<Option<Renderer>>,
+    /// By index; `None` for agents without one.
+    sensors: Vec<Option<Sensor>>,
     /// By index, how many frames an agent was shown, or steps told of.
     shown: Vec<u64>,
 }
@@ -42,7 +42,7 @@ impl<M: Mission> LocalFleet<M> {
         };
         Self {
             nodes: (0..count).map(node).collect(),
-            renderers: renderers(&mission, count),
+            sensors: sensors(&mission, count),
             shown: vec![0; count],
             mission,
         }
@@ -60,19 +60,19 @@ impl<M: Mission> LocalFleet<M> {
         }
     }
 
-    /// Renders every frame and hands it to its agent; those without camera are told of the step.
+    /// Makes every frame and hands it to its agent; those without sensor are told of the step.
     fn look(&mut self, brief: &Brief) {
         for (shown, life) in self.shown.iter_mut().zip(&brief.lives) {
             *shown += u64::from(life.is_some());
         }
-        let Self { mission, nodes, renderers, .. } = self;
+        let Self { mission, nodes, sensors, .. } = self;
         let mission = &*mission;
-        let each = nodes.par_iter_mut().zip(renderers).zip(&brief.poses).zip(&brief.lives);
-        each.enumerate().for_each(|(index, (((node, renderer), pose), life))| {
+        let each = nodes.par_iter_mut().zip(sensors).zip(&brief.poses).zip(&brief.lives);
+        each.enumerate().for_each(|(index, (((node, sensor), pose), life))| {
             node.begin(mission, *life, pose);
-            match renderer {
-                Some(renderer) => {
-                    node.look(brief.now, || brief.frame(renderer, AgentId(index as u16)));
+            match sensor {
+                Some(sensor) => {
+                    node.look(brief.now, || brief.frame(sensor, AgentId(index as u16)));
                 }
                 None => node.step(brief.now, brief.step),
             }

@@ -9,6 +9,7 @@ use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::command::YawCommand;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::Step;
+use csat_world::sensor::SensorModel;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -46,6 +47,11 @@ pub trait Mission: Clone + Send + Sync + 'static {
 
     /// The camera of an agent; `None` for a ground station.
     fn camera(&self, id: AgentId) -> Option<CameraModel>;
+
+    /// What an agent carries; `None` for a ground station. By default its camera, with labels.
+    fn sensor(&self, id: AgentId) -> Option<SensorModel> {
+        self.camera(id).map(SensorModel::Labels)
+    }
 
     /// What the agent's observers get to know.
     fn report(&self, agent: &mut Self::Agent, detail: Detail) -> Self::Report;

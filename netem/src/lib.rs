@@ -75,3 +75,5 @@ mod rate;
 mod repeat;
 pub mod rule;
 pub mod trace;
+
+pub use draw::normal_quantile;

@@ -102,10 +102,16 @@ pub struct FrameHeader {
     /// where the pose is exact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_world: Option<[f64; 3]>,
+    /// Its true yaw, radians, for the bearings of senders; `None` where the pose is exact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yaw_rad: Option<f64>,
     /// The agent's incarnation; `None` while it is down, and then there are no pixels.
     pub incarnation: Option<Incarnation>,
     /// The identified targets, by increasing index.
     pub detections: Vec<Detection>,
+    /// What a detector without labels reports: image point (c, r), pixels.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sighting: Option<[f64; 2]>,
     /// What all agents sent before this step: a process that joins now does not wait for these
     /// messages.
     pub said: Vec<SaidSoFar>,
@@ -151,6 +157,34 @@ pub enum HeaderError {
     /// A box without a pixel of its target.
     #[error("the box of target {0} has no pixel labelled Target")]
     Empty(TargetId),
+    /// A true yaw that is no angle.
+    #[error("the agent's true yaw is {yaw_rad} rad: expected a finite angle")]
+    Yaw {
+        /// The angle that it states.
+        yaw_rad: f64,
+    },
+    /// A sighting outside the image.
+    #[error("a sighting at {point:?} in an image of {image:?} pixels: expected a point inside")]
+    Sighting {
+        /// Column and row.
+        point: [f64; 2],
+        /// Columns and rows of the image.
+        image: [u16; 2],
+    },
+    /// A sighting for an agent without detector.
+    #[error("a sighting at {point:?} for an agent without detector: expected none")]
+    NoDetector {
+        /// Column and row.
+        point: [f64; 2],
+    },
+    /// An image for an agent with a detector.
+    #[error("{detections} detections and {bytes} bytes of pixels for a detector: expected none")]
+    Labelled {
+        /// Number of its detections.
+        detections: usize,
+        /// Length of its pixels, bytes.
+        bytes: usize,
+    },
     /// An image for an agent without camera.
     #[error(
         "{detections} detections and {bytes} bytes of pixels for a ground station: expected none"
@@ -176,10 +210,8 @@ impl FrameHeader {
         labels: &[Label],
     ) -> Result<(), HeaderError> {
         self.check_step(period_s)?;
-        let p_world = self.pose.p_world;
-        if p_world[2] <= 0.0 {
-            return Err(HeaderError::Pose { p_world });
-        }
+        self.check_above_ground()?;
+        self.check_no_sighting()?;
         if let Some([a, b]) = self.detections.array_windows().find(|[a, b]| a.target >= b.target) {
             return Err(HeaderError::Order(a.target, b.target));
         }
@@ -188,6 +220,42 @@ impl FrameHeader {
             return Err(HeaderError::Target(last.target));
         }
         self.detections.iter().try_for_each(|detection| check_box(detection, camera, labels))
+    }
+
+    /// The same checks for a camera with a detector, which sends at most a sighting in the image; `bytes` is
+    /// the length of the pixels.
+    ///
+    /// # Errors
+    /// The first check that fails.
+    pub fn check_detector(
+        &self,
+        camera: &CameraModel,
+        period_s: f64,
+        bytes: usize,
+    ) -> Result<(), HeaderError> {
+        self.check_step(period_s)?;
+        self.check_above_ground()?;
+        let detections = self.detections.len();
+        if detections > 0 || bytes > 0 {
+            return Err(HeaderError::Labelled { detections, bytes });
+        }
+        let image = [camera.columns, camera.rows];
+        let is_inside = |point: [f64; 2]| {
+            (0..2).all(|axis| (0.0..=f64::from(image[axis])).contains(&point[axis])) // false for NaN
+        };
+        match self.sighting {
+            Some(point) if !is_inside(point) => Err(HeaderError::Sighting { point, image }),
+            _ => Ok(()),
+        }
+    }
+
+    fn check_above_ground(&self) -> Result<(), HeaderError> {
+        let p_world = self.pose.p_world;
+        if p_world[2] > 0.0 { Ok(()) } else { Err(HeaderError::Pose { p_world }) }
+    }
+
+    fn check_no_sighting(&self) -> Result<(), HeaderError> {
+        self.sighting.map_or(Ok(()), |point| Err(HeaderError::NoDetector { point }))
     }
 
     /// The same checks for a ground station, which may stand on the ground and has no camera; `bytes`
@@ -201,7 +269,7 @@ impl FrameHeader {
         if detections > 0 || bytes > 0 {
             return Err(HeaderError::Blind { detections, bytes });
         }
-        Ok(())
+        self.check_no_sighting()
     }
 
     /// Checks that time advances, and that the agent is on or above the ground.
@@ -218,6 +286,9 @@ impl FrameHeader {
         let angles = [yaw_rad, pitch_rad, roll_rad];
         if !(p_world.iter().chain(&angles).all(|x| x.is_finite()) && p_world[2] >= 0.0) {
             return Err(HeaderError::Pose { p_world });
+        }
+        if let Some(yaw_rad) = self.yaw_rad.filter(|yaw_rad| !yaw_rad.is_finite()) {
+            return Err(HeaderError::Yaw { yaw_rad });
         }
         match self.p_world {
             Some(p_world) if !p_world.iter().all(|x| x.is_finite()) => {
@@ -348,8 +419,10 @@ mod tests {
             next: SimTime::from_seconds(2.5),
             pose: Pose::level([0.0, 0.0, 50.0], 0.0),
             p_world: None,
+            yaw_rad: None,
             incarnation: Some(Incarnation(0)),
             detections: vec![seen(1, 0), seen(3, 2)],
+            sighting: None,
             said: Vec::new(),
         }
     }
@@ -380,6 +453,33 @@ mod tests {
         assert_eq!(far, Err(HeaderError::Target(TargetId(MAX_TARGETS))));
         let empty = check(|_, labels| labels[7] = Label::Obstacle);
         assert_eq!(empty, Err(HeaderError::Empty(TargetId(3))));
+    }
+
+    #[test]
+    fn a_detector_reports_a_point_of_its_image_and_nothing_else() {
+        let camera = CameraModel { columns: 4, rows: 2, ..CameraModel::default() };
+        let check = |change: fn(&mut FrameHeader), bytes| {
+            let mut header = FrameHeader { detections: Vec::new(), ..header() };
+            header.sighting = Some([4.0, 0.5]);
+            change(&mut header);
+            header.check_detector(&camera, 0.5, bytes)
+        };
+        assert_eq!(check(|_| (), 0), Ok(()));
+        assert_eq!(check(|h| h.sighting = None, 0), Ok(()));
+        let outside = check(|h| h.sighting = Some([1.0, 2.5]), 0);
+        assert_eq!(
+            outside.unwrap_err().to_string(),
+            "a sighting at [1.0, 2.5] in an image of [4, 2] pixels: expected a point inside"
+        );
+        assert!(check(|h| h.sighting = Some([f64::NAN, 1.0]), 0).is_err());
+        assert_eq!(check(|_| (), 4), Err(HeaderError::Labelled { detections: 0, bytes: 4 }));
+        let labelled = check(|h| h.detections = header().detections, 0);
+        assert_eq!(labelled, Err(HeaderError::Labelled { detections: 2, bytes: 0 }));
+        assert!(check(|h| h.pose.p_world[2] = 0.0, 0).is_err());
+        assert!(check(|h| h.step = Step(3), 0).is_err());
+        assert!(check(|h| h.yaw_rad = Some(f64::NAN), 0).is_err());
+        let labels = self::check(|h, _| h.sighting = Some([1.0, 1.0]));
+        assert_eq!(labels, Err(HeaderError::NoDetector { point: [1.0, 1.0] }));
     }
 
     #[test]

@@ -37,11 +37,23 @@ pub enum Driving {
     /// Off the roads at v_max, as evasively as the model allows: straight on and along walls, away
     /// from the UAVs, or onto ground that a UAV has just seen.
     Evasive,
+    /// They stand, off the roads as well, at places drawn uniformly from the region.
+    Static,
+    /// They walk at random from such places: in each step normally distributed, without a bound of their
+    /// speed.
+    RandomWalk,
+}
+
+impl Driving {
+    /// Whether they keep to v_max (5.34).
+    pub fn keeps_v_max(self) -> bool {
+        self != Self::RandomWalk
+    }
 }
 
 /// `[targets]`: how many cars there are, what bounds their motion and their shape.
 ///
-/// Agents use all of it except `count`, `driving` and `tracks`.
+/// Agents of the set-membership mission use all of it except `count`, `driving`, `walk_m_sqrt_s` and `tracks`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TargetsModel {
@@ -49,6 +61,9 @@ pub struct TargetsModel {
     pub count: u16,
     /// How they drive.
     pub driving: Driving,
+    /// The standard deviation of a random walk along each axis after one second, m/√s: it is
+    /// `walk_m_sqrt_s * √t` after t seconds.
+    pub walk_m_sqrt_s: f64,
     /// The file of the tracks that the targets follow; without it they drive on their own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tracks: Option<PathBuf>,
@@ -71,6 +86,7 @@ impl Default for TargetsModel {
         Self {
             count: 8,
             driving: Driving::Roads,
+            walk_m_sqrt_s: 2.0,
             tracks: None,
             v_max_m_s: 1.0,
             obstacle_distance_m: 2.5,

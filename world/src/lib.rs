@@ -7,11 +7,13 @@
 //! | [`map`] | the town: generated from a seed, or from a GeoJSON file |
 //! | [`obstacle`] | buildings, and exact distances to them |
 //! | [`road`] | where cars can drive |
-//! | [`target`] | the cars |
+//! | [`target`] | the cars, on roads and off them |
 //! | [`track`] | tracks that cars follow instead of driving on their own |
 //! | `uav` | how UAVs move; a new kind of vehicle implements its trait |
+//! | [`navigation`] | the errors of reported poses |
 //! | [`scene`] | the solids that cameras see |
 //! | [`camera`] | frames with exact labels, and the oracle that checks them |
+//! | [`sensor`] | what a UAV carries: a camera with labels, or one with a detector |
 //! | [`radio`] | buildings as obstructions of radio |
 //! | [`truth`] | the monitor |
 //!
@@ -34,12 +36,14 @@
 
 pub mod camera;
 pub mod map;
+pub mod navigation;
 pub mod obstacle;
 mod plane;
 pub mod radio;
 mod random;
 pub mod road;
 pub mod scene;
+pub mod sensor;
 pub mod target;
 pub mod track;
 pub mod truth;

@@ -14,8 +14,11 @@ use crate::road::{Arm, RoadGraph};
 use crate::scene::{Entity, Prism};
 
 mod evade;
+mod off_road;
 
 pub(crate) use evade::{Chase, Watcher};
+pub use off_road::OffRoadError;
+pub(crate) use off_road::{OffRoad, Walkers};
 
 /// Bound on the rate at which a car's body turns, rad/s.
 pub(crate) const MAX_TURN_RATE_RAD_S: f64 = 1.0;
@@ -39,7 +42,7 @@ pub struct TargetTruth {
     pub location: [f64; 2],
     /// The direction of the body, counter-clockwise from east, radians.
     pub heading_rad: f64,
-    /// The speed it drives at unless it yields, m/s.
+    /// The speed it drives at unless it yields, m/s; 0 for a target that stands or walks at random.
     pub speed_m_s: f64,
 }
 
@@ -67,6 +70,18 @@ pub(crate) fn road_clearance_m(model: &TargetsModel) -> f64 {
 fn separation_m(model: &TargetsModel) -> f64 {
     let diagonal_m = model.body_m[0].hypot(model.body_m[1]);
     model.target_distance_m.max(diagonal_m) + SEPARATION_MARGIN_M
+}
+
+/// Whether `location` is farther than `separation_m` from all targets but `except`.
+fn has_room(
+    truths: &[TargetTruth],
+    separation_m: f64,
+    except: Option<usize>,
+    location: Point,
+) -> bool {
+    truths.iter().enumerate().all(|(index, other)| {
+        Some(index) == except || distance_m(other.location, location) > separation_m
+    })
 }
 
 /// Not all cars found room on the roads.
@@ -158,8 +173,8 @@ impl Traffic {
             let mut rng = stream(seed, StreamPurpose::Car(id));
             let drawn_m_s = rng.random_range(0.0..=model.v_max_m_s);
             let speed_m_s = match model.driving {
-                Driving::Roads => drawn_m_s,
                 Driving::Evasive => model.v_max_m_s,
+                _ => drawn_m_s,
             };
             let patience = rng.random_range(4..=12);
             let forward = rng.random_bool(0.5);
@@ -201,9 +216,7 @@ impl Traffic {
 
     /// Whether `location` is far enough from all cars but `except`.
     fn has_room(&self, except: Option<usize>, location: Point) -> bool {
-        self.truths.iter().enumerate().all(|(index, other)| {
-            Some(index) == except || distance_m(other.location, location) > self.separation_m
-        })
+        has_room(&self.truths, self.separation_m, except, location)
     }
 
     /// Lets one period of `period_s` seconds pass on the roads.

@@ -121,7 +121,8 @@ pub enum Promise {
     TargetDistance,
     /// [`Fault::OutsideRegion`]: checked for every target.
     OutsideRegion,
-    /// [`Fault::Speed`]: checked for every target from its second step on.
+    /// [`Fault::Speed`]: checked for every target from its second step on, unless targets walk at random:
+    /// then no bound of their speed exists.
     Speed,
     /// [`Fault::BuildingDistance`]: checked for every UAV, against all buildings at once.
     BuildingDistance,
@@ -358,6 +359,9 @@ impl Monitor {
 
     fn check_speeds(&mut self, step: Step, targets: &[TargetTruth], faults: &mut Vec<Fault>) {
         let Some((before, previous)) = self.previous.take() else { return };
+        if !self.model.driving.keeps_v_max() {
+            return;
+        }
         let periods = f64::from(step.0.saturating_sub(before.0));
         let limit_m = self.model.v_max_m_s * self.period_s * periods;
         for target in targets {

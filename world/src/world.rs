@@ -7,13 +7,17 @@ use csat_proto::model::{Driving, FleetModel, Ground, Station, TargetsModel};
 use csat_proto::time::Step;
 
 use crate::map::{self, Map, MapConfig, MapError, MapRules, MapWarning};
+use crate::navigation::{Navigation, NavigationModel};
 use crate::obstacle::{Obstacle, Walls};
 use crate::road::{RoadGraph, RoadRules};
 use crate::scene::{Prism, Scene};
-use crate::target::{Chase, PlacementError, TargetTruth, Traffic, Watcher, road_clearance_m};
+use crate::target::{
+    Chase, OffRoad, OffRoadError, PlacementError, TargetTruth, Traffic, Walkers, Watcher,
+    road_clearance_m,
+};
 use crate::track::{Scripted, TrackError, Tracks};
 use crate::truth::Monitor;
-use crate::uav::{Quadcopter, Vehicle};
+use crate::uav::{self, Vehicle};
 
 mod check;
 mod launch;
@@ -44,6 +48,8 @@ pub struct WorldConfig {
     pub stations: Vec<Station>,
     /// The cameras of the UAVs.
     pub camera: CameraModel,
+    /// The errors of reported poses; `None` where they are exact.
+    pub navigation: Option<NavigationModel>,
     /// T, seconds.
     pub period_s: f64,
 }
@@ -57,6 +63,7 @@ impl Default for WorldConfig {
             fleet: FleetModel::default(),
             stations: Vec::new(),
             camera: CameraModel::default(),
+            navigation: None,
             period_s: 0.5,
         }
     }
@@ -95,6 +102,9 @@ pub enum WorldError {
     /// No room for all cars.
     #[error(transparent)]
     Placement(#[from] PlacementError),
+    /// No room for all targets off the roads.
+    #[error(transparent)]
+    OffRoad(#[from] OffRoadError),
     /// A car that does not keep to the model.
     #[error("targets.tracks: {0}")]
     Track(TrackError),
@@ -150,6 +160,8 @@ pub struct CommandError {
 enum Cars {
     /// They drive on their own.
     Driving(Traffic),
+    /// They stand or walk off the roads.
+    Walking(Walkers),
     /// They follow tracks.
     Scripted(Scripted),
 }
@@ -164,7 +176,19 @@ pub struct World {
     roads: RoadGraph,
     cars: Cars,
     vehicles: Vec<Box<dyn Vehicle>>,
+    /// By UAV; empty where reported poses are exact.
+    navigation: Vec<Navigation>,
     step: Step,
+}
+
+/// Where targets may be off the roads.
+fn off_road<'a>(config: &WorldConfig, map: &Map, walls: &'a Walls) -> OffRoad<'a> {
+    let inset_m = inset_m(&config.targets);
+    OffRoad {
+        ground: Ground { size_m: map.ground.size_m.map(|side_m| side_m - 2.0 * inset_m) },
+        walls,
+        clearance_m: road_clearance_m(&config.targets),
+    }
 }
 
 impl Cars {
@@ -172,10 +196,16 @@ impl Cars {
     fn start(
         config: &WorldConfig,
         map: &Map,
+        walls: &Walls,
         roads: &RoadGraph,
         seed: u64,
     ) -> Result<Self, Vec<WorldError>> {
         let Some(tracks) = &config.tracks else {
+            if matches!(config.targets.driving, Driving::Static | Driving::RandomWalk) {
+                let ground = off_road(config, map, walls);
+                let walkers = Walkers::place(&ground, &config.targets, seed);
+                return walkers.map(Self::Walking).map_err(|error| vec![error.into()]);
+            }
             let traffic = Traffic::place(roads, map.roads.len(), &config.targets, seed);
             return traffic.map(Self::Driving).map_err(|error| vec![error.into()]);
         };
@@ -246,21 +276,25 @@ impl World {
             min_network_m: MIN_NETWORK_M,
         };
         let roads = RoadGraph::build(&map.ground, &map.roads, &walls, &rules);
-        let cars = match Cars::start(config, &map, &roads, seed) {
+        let cars = match Cars::start(config, &map, &walls, &roads, seed) {
             Ok(cars) => cars,
             Err(errors) => return Err(WorldErrors { errors, map_warnings: map.warnings }),
         };
-        let vehicles: Vec<Box<dyn Vehicle>> = (0..config.fleet.count)
-            .map(|i| Quadcopter::at_start(&config.fleet, &map.ground, i))
-            .map(|q| Box::new(q) as Box<dyn Vehicle>)
-            .collect();
+        let at_start = |index| uav::at_start(&config.fleet, &map.ground, index);
+        let vehicles: Vec<Box<dyn Vehicle>> = (0..config.fleet.count).map(at_start).collect();
         if config.fleet.avoid_buildings {
             let starts: Vec<Pose> = vehicles.iter().map(|v| v.pose()).collect();
             launch::clear(&mut map, &config.fleet, &starts);
         }
         let prisms = (0..).zip(&map.obstacles).map(|(i, o)| o.prism(i)).collect();
+        let navigation = config.navigation.iter().flat_map(|model| {
+            let system = |id| Navigation::new(*model, config.period_s, seed, AgentId(id));
+            (0..config.fleet.count).map(system)
+        });
+        let navigation = navigation.collect();
         let config = config.clone();
-        Ok(Self { config, map, prisms, walls, roads, cars, vehicles, step: Step(0) })
+        let step = Step(0);
+        Ok(Self { config, map, prisms, walls, roads, cars, vehicles, navigation, step })
     }
 
     /// Lets one period T pass: k becomes k + 1.
@@ -271,28 +305,28 @@ impl World {
             (Cars::Scripted(cars), _) => {
                 cars.advance_to(f64::from(self.step.0) * period_s, period_s);
             }
-            (Cars::Driving(traffic), Driving::Roads) => traffic.advance(&self.roads, period_s),
+            (Cars::Walking(walkers), _) => {
+                walkers.advance(&off_road(&self.config, &self.map, &self.walls), period_s);
+            }
             (Cars::Driving(_), Driving::Evasive) => self.evade(),
+            (Cars::Driving(traffic), _) => traffic.advance(&self.roads, period_s),
         }
         for vehicle in &mut self.vehicles {
             vehicle.advance(period_s);
         }
+        self.navigation.iter_mut().for_each(Navigation::advance);
     }
 
     /// Lets the cars evade for one period; they react to what the UAVs see at its beginning.
     fn evade(&mut self) {
         let Cars::Driving(traffic) = &mut self.cars else { return };
-        let WorldConfig { targets, camera, period_s, .. } = &self.config;
+        let WorldConfig { camera, period_s, .. } = &self.config;
         let watcher = |pose: &Pose| {
             Watcher::new([pose.p_world[0], pose.p_world[1]], &camera.at(pose).footprint())
         };
         let watchers: Vec<Watcher> = self.vehicles.iter().map(|v| watcher(&v.pose())).collect();
-        let chase = Chase {
-            ground: Ground { size_m: self.map.ground.size_m.map(|s| s - 2.0 * inset_m(targets)) },
-            walls: &self.walls,
-            clearance_m: road_clearance_m(targets),
-            watchers: &watchers,
-        };
+        let ground = off_road(&self.config, &self.map, &self.walls);
+        let chase = Chase { ground, watchers: &watchers };
         traffic.evade(&chase, *period_s);
     }
 
@@ -327,10 +361,20 @@ impl World {
         self.vehicles.iter().map(|v| v.pose()).chain(stations).collect()
     }
 
+    /// The same as the agents are told: poses of UAVs have errors if [`WorldConfig::navigation`] says so.
+    pub fn reported_poses(&self) -> Vec<Pose> {
+        let mut poses = self.poses();
+        for (pose, navigation) in poses.iter_mut().zip(&self.navigation) {
+            *pose = navigation.reported(pose);
+        }
+        poses
+    }
+
     /// The true state of every target, by index.
     pub fn targets(&self) -> &[TargetTruth] {
         match &self.cars {
             Cars::Driving(traffic) => traffic.truths(),
+            Cars::Walking(walkers) => walkers.truths(),
             Cars::Scripted(cars) => cars.truths(),
         }
     }

@@ -202,6 +202,12 @@ pub struct GuidanceConfig {
     pub beam: u16,
     /// The distance over which probability that is out of reach of the horizon attracts, metres.
     pub attraction_m: f64,
+    /// The weight of that attraction; 1 counts probability at no distance like that which is detected.
+    pub attraction: f64,
+    /// What `information` detects t seconds from now is worth e^(−t/`discount_s`), seconds.
+    pub discount_s: f64,
+    /// By what share `information` values ground beside seen ground, or beside the border, higher.
+    pub edge_worth: f64,
 }
 
 impl Default for GuidanceConfig {
@@ -214,6 +220,9 @@ impl Default for GuidanceConfig {
             horizon_s: 20.0,
             beam: 12,
             attraction_m: 150.0,
+            attraction: 0.3,
+            discount_s: 40.0,
+            edge_worth: 0.5,
         }
     }
 }

@@ -88,7 +88,10 @@ const LEAST: f64 = 1e-12;
 #[derive(Debug, Clone)]
 pub struct Likelihood {
     optics: Optics,
-    detector: DetectorModel,
+    /// p(D | V, r).
+    detected: DetectionTable,
+    p_false: f64,
+    footprint: Option<Rect>,
     bounds: Option<Rect>,
     kind: Kind,
 }
@@ -96,7 +99,7 @@ pub struct Likelihood {
 #[derive(Debug, Clone)]
 enum Kind {
     /// ln[(1 − p(D, V | x) − P_false) / (1 − P_false)].
-    NoDetection { detected: DetectionTable },
+    NoDetection,
     /// ln[1 + N(z; U(x), Σ(x)) `gain`], `gain` = p(D | V, r(z)) image area / P_false.
     Detection { z: [f64; 2], gain: f64 },
 }
@@ -110,28 +113,30 @@ impl Likelihood {
     /// The likelihood of a frame from a reported pose, with a sighting at an image point, pixels, or none.
     pub fn of_frame(sensor: &Sensor, pose: &Pose, sighting: Option<[f64; 2]>) -> Self {
         let optics = Optics::new(sensor, pose);
-        let detector = sensor.detector;
-        let table = DetectionTable::new(&optics, &detector);
+        let p_false = sensor.detector.p_false;
+        let detected = DetectionTable::new(&optics, &sensor.detector);
         let [c, r] = optics.size_px;
-        let (kind, image, sigmas) = match sighting {
-            None => (Kind::NoDetection { detected: table }, [[0.0, 0.0], [c, r]], EDGE_SIGMAS),
+        let footprint = optics.ground_box([[0.0, 0.0], [c, r]], EDGE_SIGMAS, &sensor.ground);
+        let (kind, bounds) = match sighting {
+            None => (Kind::NoDetection, footprint),
             Some(z) => {
-                let p_false = match is_on(Mutant::FalseAlarmForgotten) {
-                    true => 1e-200,
-                    false => detector.p_false,
-                };
-                let detected = table.at(optics.inverse_depth(z));
-                let gain = detected * c * r / p_false;
-                (Kind::Detection { z, gain }, [z, z], DETECTION_SIGMAS)
+                let p_false = if is_on(Mutant::FalseAlarmForgotten) { 1e-200 } else { p_false };
+                let gain = detected.at(optics.inverse_depth(z)) * c * r / p_false;
+                let around = optics.ground_box([z, z], DETECTION_SIGMAS, &sensor.ground);
+                (Kind::Detection { z, gain }, around)
             }
         };
-        let bounds = optics.ground_box(image, sigmas, &sensor.ground);
-        Self { optics, detector, bounds, kind }
+        Self { optics, detected, p_false, footprint, bounds, kind }
     }
 
     /// Where it differs from a constant; `None` if nowhere in the region.
     pub fn bounds(&self) -> Option<Rect> {
         self.bounds
+    }
+
+    /// Where a target may be in the image; `None` if nowhere in the region.
+    pub fn footprint(&self) -> Option<Rect> {
+        self.footprint
     }
 
     /// Whether the frame has a detection.
@@ -149,10 +154,9 @@ impl Likelihood {
     pub fn ln_within(&self, x: [f64; 2]) -> f64 {
         let Some(image) = self.optics.see(x) else { return 0.0 };
         match &self.kind {
-            Kind::NoDetection { detected } => {
-                let p_false = self.detector.p_false;
-                let p = image.p_inside(&self.optics) * detected.at(image.inverse_depth);
-                (1.0 - p / (1.0 - p_false)).max(LEAST).ln()
+            Kind::NoDetection => {
+                let p = self.p_at(&image);
+                (1.0 - p / (1.0 - self.p_false)).max(LEAST).ln()
             }
             Kind::Detection { z, gain } => (image.density(*z) * gain).ln_1p(),
         }
@@ -160,14 +164,12 @@ impl Likelihood {
 
     /// p(D, V | x): the probability that a target at x is detected in such a frame, false alarms apart (5).
     pub fn p_detection(&self, x: [f64; 2]) -> f64 {
-        let table = |image: &ImagePoint| match &self.kind {
-            Kind::NoDetection { detected } => detected.at(image.inverse_depth),
-            Kind::Detection { .. } => {
-                DetectionTable::new(&self.optics, &self.detector).at(image.inverse_depth)
-            }
-        };
-        let image = self.optics.see(x);
-        image.map_or(0.0, |image| image.p_inside(&self.optics) * table(&image))
+        self.optics.see(x).map_or(0.0, |image| self.p_at(&image))
+    }
+
+    #[inline]
+    fn p_at(&self, image: &ImagePoint) -> f64 {
+        image.p_inside(&self.optics) * self.detected.at(image.inverse_depth)
     }
 }
 
@@ -337,11 +339,22 @@ impl ImagePoint {
     /// N(z; U(x), Σ(x)), per square pixel.
     #[inline]
     fn density(&self, z: [f64; 2]) -> f64 {
+        let determinant = self.determinant();
+        (-0.5 * self.distance_squared(z)).exp() / (std::f64::consts::TAU * determinant.sqrt())
+    }
+
+    /// The square of the Mahalanobis distance of an image point, pixels, from the mean.
+    #[inline]
+    pub fn distance_squared(&self, z: [f64; 2]) -> f64 {
         let [cc, cr, rr] = self.covariance;
-        let determinant = cc * rr - cr * cr;
         let (c, r) = (z[0] - self.mean[0], z[1] - self.mean[1]);
-        let square = (rr * c * c - 2.0 * cr * c * r + cc * r * r) / determinant;
-        (-0.5 * square).exp() / (std::f64::consts::TAU * determinant.sqrt())
+        (rr * c * c - 2.0 * cr * c * r + cc * r * r) / self.determinant()
+    }
+
+    #[inline]
+    fn determinant(&self) -> f64 {
+        let [cc, cr, rr] = self.covariance;
+        cc * rr - cr * cr
     }
 }
 
@@ -408,3 +421,7 @@ impl DetectionTable {
         self.values[index] + share * (self.values[index + 1] - self.values[index])
     }
 }
+
+#[cfg(test)]
+#[path = "likelihood_tests.rs"]
+pub(crate) mod tests;

@@ -48,6 +48,22 @@ impl Tile {
 }
 
 impl Tiles {
+    /// ln of the density at a point, `world`, metres, relative to the greatest; of the nearest tile for a point
+    /// outside. `grid` is that of level 0.
+    pub fn ln_density(&self, grid: &Grid, p: [f64; 2]) -> f64 {
+        let [x, y] = grid.origin();
+        let smallest = grid.cell_m / f64::from(1u32 << MAX_LEVEL);
+        let along = |distance: f64, count: u32| {
+            let most = f64::from((count << MAX_LEVEL) - 1);
+            (distance / smallest).floor().clamp(0.0, most) as u32
+        };
+        let (column, row) = (along(p[0] - x, grid.columns), along(p[1] - y, grid.rows));
+        let place = Tile { level: MAX_LEVEL, column, row, depth: 0 }.place();
+        let after = self.0.partition_point(|tile| tile.place() <= place);
+        let tile = after.checked_sub(1).and_then(|index| self.0.get(index));
+        tile.map_or(0.0, |tile| -f64::from(tile.depth) / STEPS_PER_NAT)
+    }
+
     /// Whether they cover the cells of `grid` (level 0), each place once. Tiles of others may be anything.
     pub fn is_cover(&self, grid: &Grid) -> bool {
         let is_valid = |tile: &Tile| {

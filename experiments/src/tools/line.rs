@@ -268,8 +268,10 @@ mod tests {
             next: SimTime::from_seconds(2.0),
             pose: Pose::level([1.0, 2.04, 52.0], 0.3),
             p_world: None,
+            yaw_rad: None,
             incarnation: Some(Incarnation(1)),
             detections: Vec::new(),
+            sighting: None,
             said: Vec::new(),
         };
         let alive = frame(&serde_json::to_string(&header).unwrap());

@@ -17,12 +17,14 @@ pub struct Failure {
     pub missing: Vec<String>,
 }
 
-/// The place and the text of the mistake in `unit`.
+/// The place and the text of the mistake in `unit`; `is_own` tells whether it is in one of the mission's own
+/// tables.
 pub fn explain(
     tree: &Table,
     defaults: &toml::Table,
     unit: &Unit<'_>,
     failure: &Failure,
+    is_own: bool,
 ) -> (Site, Mistake) {
     let message = failure.message.as_str();
     let named = quoted(message).next().unwrap_or_default();
@@ -59,7 +61,8 @@ pub fn explain(
             None => plain_value(other),
         },
     };
-    let expected = validate::whole_number(&path).map(str::to_owned).or(expected);
+    let whole = validate::whole_number(&path).filter(|_| !is_own);
+    let expected = whole.map(str::to_owned).or(expected);
     let expected = match path.rsplit('.').next() {
         Some("loss") if path.starts_with("netem.") && !path.contains("jammer") => {
             Some(LOSS.to_owned())

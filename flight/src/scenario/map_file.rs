@@ -30,7 +30,7 @@ pub fn resolve(
 ) -> Option<MapText> {
     let file = scenario.map.file.clone()?.to_string_lossy().into_owned();
     let site = tree::exact(tree, "map.file")?.value.clone();
-    if !is_generated_on_purpose(&site, sources, tree) {
+    if !is_other_kind_on_purpose(&site, sources, tree) {
         scenario.map.kind = MapKind::GeoJson;
     }
     match find(&file, &site, sources) {
@@ -46,10 +46,12 @@ pub fn resolve(
 }
 
 /// A user who names a file wants the town in it, whatever the kind was before; unless they ask for a
-/// generated town in the same breath (or later), which is a contradiction for others to report.
-fn is_generated_on_purpose(file: &Site, sources: &Sources, tree: &tree::Table) -> bool {
+/// generated town, or for none, in the same breath (or later), which is a contradiction for others to
+/// report.
+fn is_other_kind_on_purpose(file: &Site, sources: &Sources, tree: &tree::Table) -> bool {
     let Some(kind) = tree::exact(tree, "map.kind") else { return false };
-    kind.to_value().as_str() == Some("generated") && is_beside(&kind.value, file, sources)
+    let is_other = matches!(kind.to_value().as_str(), Some("generated" | "open"));
+    is_other && is_beside(&kind.value, file, sources)
 }
 
 /// Whether a value was written in the same breath as a file's name, or later: in the same source or

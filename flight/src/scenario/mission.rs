@@ -1,4 +1,5 @@
-//! Which mission a scenario asks for, and which tables it may have: those of other missions are mistakes.
+//! Which mission a scenario asks for, and which tables it may have: those that only other missions have are
+//! mistakes.
 
 use super::missions::{self, Listed};
 use super::mistake::{Mistake, did_you_mean};
@@ -6,7 +7,7 @@ use super::model::{OF_SET_MEMBERSHIP, SET_MEMBERSHIP};
 use super::source::Sources;
 use super::tree::{self, Kind, Table};
 
-/// The mission that `tree` names, or the default one. Tables that only other missions know are taken out of
+/// The mission that `tree` names, or the default one. Tables that only other missions have are taken out of
 /// the tree, each with a mistake.
 pub fn choose(
     sources: &Sources,
@@ -19,8 +20,10 @@ pub fn choose(
         return default();
     };
     let name = mission.kind().name;
+    let own = tables_of(mission);
     for other in missions::all().iter().filter(|other| other.kind().name != name) {
-        for key in tables_of(*other) {
+        // Missions may have tables of the same name.
+        for key in tables_of(*other).into_iter().filter(|key| !own.contains(key)) {
             let Some(node) = tree.remove(&key) else { continue };
             let text = format!("`{key}` belongs to the mission `{}`", other.kind().name);
             let expected = format!("tables of the mission `{name}`, which this scenario is");
@@ -31,7 +34,7 @@ pub fn choose(
     mission
 }
 
-/// The names of the tables that only one mission knows.
+/// The names of the tables of a mission.
 fn tables_of(mission: &dyn Listed) -> Vec<String> {
     let mut all: Vec<String> = mission.tables().keys().cloned().collect();
     if mission.kind().name == SET_MEMBERSHIP {

@@ -4,24 +4,35 @@ use std::marker::PhantomData;
 use std::sync::OnceLock;
 
 use csat_mission::mission::{Kind, Mission};
+use csat_world::world::WorldConfig;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::issue::Issue;
 use super::mistake::quoted_list;
 use super::model::Scenario;
+use crate::bayes::Bayes;
 use crate::set_membership::SetMembership;
 
 /// A mission that scenarios can ask for.
 pub trait Offered: Mission {
     /// Its own tables of a scenario: a struct with a field for each top-level table, and defaults.
+    /// A table of the name of one of the set-membership mission's takes its place.
     type Tables: Default + Serialize + DeserializeOwned;
+
+    /// Whether its agents need images with labelled pixels: then a camera is judged by the pixels that it has
+    /// on a car.
+    const LABELS: bool = true;
 
     /// The mission of a scenario. The scenario has been judged.
     fn of(scenario: &Scenario) -> Self;
 
     /// What is wrong with a scenario of this mission: what no other judge of scenarios knows.
     fn judge_scenario(scenario: &Scenario) -> Vec<Issue>;
+
+    /// Adds to the world what the mission's own tables say of it. The types and names of the tables are
+    /// right; their values may not have been judged.
+    fn equip(_: &Scenario, _: &mut WorldConfig) {}
 }
 
 /// The kind and the tables of a mission, for code that does not know its types.
@@ -40,6 +51,12 @@ pub trait Listed: Sync {
 
     /// What is wrong with a scenario of this mission.
     fn judge_scenario(&self, scenario: &Scenario) -> Vec<Issue>;
+
+    /// [`Offered::LABELS`].
+    fn needs_labels(&self) -> bool;
+
+    /// Adds to the world what the mission's own tables say of it.
+    fn equip(&self, scenario: &Scenario, config: &mut WorldConfig);
 }
 
 /// The entry of a mission in the list.
@@ -74,6 +91,14 @@ impl<M: Offered> Listed for Entry<M> {
     fn judge_scenario(&self, scenario: &Scenario) -> Vec<Issue> {
         M::judge_scenario(scenario)
     }
+
+    fn needs_labels(&self) -> bool {
+        M::LABELS
+    }
+
+    fn equip(&self, scenario: &Scenario, config: &mut WorldConfig) {
+        M::equip(scenario, config);
+    }
 }
 
 static INSTALLED: OnceLock<Vec<&'static dyn Listed>> = OnceLock::new();
@@ -85,8 +110,9 @@ pub fn install(missions: Vec<&'static dyn Listed>) {
 
 /// The list of this program; without one that was installed, the missions that ship with csat.
 pub fn all() -> &'static [&'static dyn Listed] {
-    const SHIPPED: &dyn Listed = &Entry::<SetMembership>::new();
-    INSTALLED.get_or_init(|| vec![SHIPPED])
+    const SHIPPED: [&dyn Listed; 2] =
+        [&Entry::<SetMembership>::new(), &Entry::<Bayes>::new()];
+    INSTALLED.get_or_init(|| SHIPPED.to_vec())
 }
 
 /// A mission by its name.

@@ -3,6 +3,7 @@
 //! A scenario is layered: the defaults (the paper's city), then a shipped scenario or a file, then
 //! `--set` in order, then `--seed`. [`load`] reports every mistake at once, each with its place.
 
+mod bayes;
 pub mod camera_check;
 pub mod differences;
 mod explain;

@@ -14,6 +14,8 @@ use csat_world::world::{World, WorldConfig, WorldErrors};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::missions;
+
 /// A mission, in full.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -38,7 +40,8 @@ pub struct Scenario {
     pub agents: FleetModel,
     /// `[camera]`.
     pub camera: CameraModel,
-    /// `[estimator]`.
+    /// `[estimator]` of the set-membership mission, as the two below; another mission's table of the same name
+    /// is in `own`.
     pub estimator: EstimatorConfig,
     /// `[guidance]`.
     pub guidance: GuidanceConfig,
@@ -46,7 +49,7 @@ pub struct Scenario {
     pub exchange: ExchangeConfig,
     /// `[netem]`: what the links do.
     pub netem: NetemConfig,
-    /// The tables that only the mission of the scenario knows, but for those above.
+    /// The tables of the scenario's mission, but for those above.
     #[serde(skip)]
     pub own: toml::Table,
 }
@@ -146,17 +149,23 @@ impl Scenario {
         }
     }
 
-    /// What the world is made of, but for the tracks, which are in a file of their own.
+    /// What the world is made of, with what the mission adds to it; but for the tracks, which are in a file of
+    /// their own.
     pub fn world_config(&self) -> WorldConfig {
-        WorldConfig {
+        let mut config = WorldConfig {
             map: self.map.clone(),
             targets: self.targets.clone(),
             tracks: None,
             fleet: self.agents.clone(),
             stations: self.stations.clone(),
             camera: self.camera,
+            navigation: None,
             period_s: self.run.period_s,
+        };
+        if let Some(mission) = missions::find(&self.mission) {
+            mission.equip(self, &mut config);
         }
+        config
     }
 
     /// The scenario in full as TOML; loading it gives an equal scenario.
@@ -201,5 +210,5 @@ impl Scenario {
 /// The mission of a scenario that names none.
 pub const SET_MEMBERSHIP: &str = "set-membership";
 
-/// The tables that only the set-membership mission knows.
+/// The tables of the set-membership mission.
 pub(super) const OF_SET_MEMBERSHIP: [&str; 3] = ["estimator", "guidance", "exchange"];

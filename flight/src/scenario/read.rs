@@ -36,7 +36,7 @@ pub fn read(
             left_out.push(&unit.path);
         }
         for failure in failures {
-            let (site, mistake) = explain(tree, &defaults, unit, &failure);
+            let (site, mistake) = explain(tree, &defaults, unit, &failure, form.has(unit));
             // A table of an unknown name is one mistake, however much it holds.
             if !seen.iter().any(|(s, m)| *s == site && *m == mistake.message) {
                 seen.push((site.clone(), mistake.message.clone()));
@@ -172,14 +172,21 @@ fn attempt(
 }
 
 /// What a scenario of a mission looks like: the fields that every scenario has, and the mission's own tables.
-struct Form<'a> {
-    mission: &'a dyn Listed,
+pub(super) struct Form<'a> {
+    pub(super) mission: &'a dyn Listed,
 }
 
 impl Form<'_> {
-    /// The default scenario of the mission as plain TOML.
-    fn defaults(&self) -> toml::Table {
+    /// Whether a value is in one of the mission's own tables.
+    fn has(&self, unit: &Unit<'_>) -> bool {
+        unit.path.first().is_some_and(|key| self.mission.tables().contains_key(key))
+    }
+
+    /// The default scenario of the mission as plain TOML. Its own tables are there in place of others of the
+    /// same name.
+    pub(super) fn defaults(&self) -> toml::Table {
         let mut defaults = default_table();
+        defaults.insert("mission".to_owned(), self.mission.kind().name.into());
         defaults.extend(self.mission.tables());
         defaults
     }
@@ -201,7 +208,7 @@ impl Form<'_> {
     }
 
     /// The scenario that a table is.
-    fn scenario(&self, mut table: toml::Table) -> Result<Scenario, toml::de::Error> {
+    pub(super) fn scenario(&self, mut table: toml::Table) -> Result<Scenario, toml::de::Error> {
         let names = self.mission.tables();
         let own: toml::Table = names.keys().filter_map(|key| table.remove_entry(key)).collect();
         self.mission.check_tables(own.clone())?;

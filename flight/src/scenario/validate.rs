@@ -2,20 +2,22 @@
 //!
 //! The town's own values (`map.*`) are judged by `csat-world` when it makes the town.
 
+pub mod bayes;
+mod camera;
 mod cost;
 mod exchange;
+mod fleet;
+mod targets;
 
 use std::ops::RangeInclusive;
 
 use csat_agent::config::{EstimatorConfig, GuidanceConfig};
 use csat_agent::guidance::airspace::turning_room_m;
-use csat_proto::camera::CameraModel;
-use csat_proto::model::{Driving, FleetModel, StartPose, TargetsModel};
-use csat_world::map::MapKind;
+use csat_proto::model::VehicleKind;
 
-use super::camera_check::car_coverage;
 pub use super::issue::Issue;
 use super::issue::owned;
+use super::missions;
 use super::mistake::Mistake;
 use super::model::{RunConfig, Scenario};
 use csat_mission::documents::micro;
@@ -74,9 +76,13 @@ fn of_any_mission(scenario: &Scenario) -> Check {
     let is_plain = !name.contains(['/', '\\', '\0']) && !name.starts_with('.');
     check.that(is_plain, &["name"], &format!("`{name}`"), "a name that a folder can have");
     run(&mut check, &scenario.run);
-    targets(&mut check, &scenario.targets);
-    let is_fleet = fleet(&mut check, scenario);
-    camera(&mut check, scenario, is_fleet);
+    targets::judge(&mut check, &scenario.targets);
+    let is_fleet = fleet::judge(&mut check, scenario);
+    let is_clean = camera::judge(&mut check, &scenario.camera);
+    let needs_labels = missions::find(&scenario.mission).is_none_or(|m| m.needs_labels());
+    if needs_labels {
+        camera::judge_labels(&mut check, scenario, is_fleet && is_clean);
+    }
     check
 }
 
@@ -85,6 +91,18 @@ pub fn of_set_membership(scenario: &Scenario) -> Vec<Issue> {
     let before = of_any_mission(scenario);
     let period_s = run(&mut Check(Vec::new()), &scenario.run);
     let mut check = Check(Vec::new());
+    check.that(
+        scenario.targets.driving.keeps_v_max(),
+        &["targets.driving"],
+        "`random-walk` in the mission `set-membership`",
+        "cars that keep to targets.v_max_m_s, as its guarantee assumes",
+    );
+    check.that(
+        scenario.agents.vehicle == VehicleKind::Quadcopter,
+        &["agents.vehicle"],
+        "`fixed-wing` in the mission `set-membership`",
+        "`quadcopter`, whose flight its guidance predicts",
+    );
     estimator(&mut check, &scenario.estimator, scenario.map.size_m);
     guidance(&mut check, &scenario.guidance, period_s);
     let is_clean = before.0.is_empty() && check.0.is_empty();
@@ -141,6 +159,17 @@ impl Check {
         holds
     }
 
+    /// Refuses a value other than the default where the key has no effect.
+    fn unused<T: PartialEq + std::fmt::Debug>(
+        &mut self,
+        keys: &[&'static str],
+        [value, default]: [T; 2],
+        why: &str,
+    ) {
+        let got = format!("{value:?} {why}");
+        self.that(value == default, keys, &got, "no such key: it has no effect");
+    }
+
     fn warn(&mut self, keys: &[&'static str], mistake: Mistake) {
         self.0.push(Issue { keys: owned(keys), mistake, is_warning: true });
     }
@@ -163,121 +192,6 @@ fn run(check: &mut Check, run: &RunConfig) -> Option<f64> {
         check.warn(&["run.duration_s", "run.period_s"], Mistake::new(text).help(help));
     }
     (run.period_s > 0.0).then_some(run.period_s)
-}
-
-fn targets(check: &mut Check, targets: &TargetsModel) {
-    check.whole("targets.count", targets.count);
-    check.that(
-        targets.tracks.is_none() || targets.driving == Driving::Roads,
-        &["targets.driving", "targets.tracks"],
-        "`evasive` with targets.tracks",
-        "no such key: cars follow their tracks",
-    );
-    let v_max = targets.v_max_m_s;
-    let holds = (0.0..=100.0).contains(&v_max);
-    check.that(holds, &["targets.v_max_m_s"], &v_max.to_string(), "a speed from 0 to 100 m/s");
-    check.not_negative("targets.obstacle_distance_m", targets.obstacle_distance_m);
-    check.positive("targets.radius_m", targets.radius_m);
-    check.positive("targets.cylinder_height_m", targets.cylinder_height_m);
-    let distance = targets.target_distance_m;
-    check.that(
-        distance > 2.0 * targets.radius_m && distance.is_finite(),
-        &["targets.target_distance_m", "targets.radius_m"],
-        &distance.to_string(),
-        &format!("more than two radii, {} m, so that cars never touch", 2.0 * targets.radius_m),
-    );
-    let [length, width, height] = targets.body_m;
-    let body_ok = targets.body_m.iter().all(|s| *s > 0.0 && s.is_finite());
-    let got = format!("[{length}, {width}, {height}]");
-    check.that(body_ok, &["targets.body_m"], &got, "length, width and height above 0");
-    let half_diagonal = length.hypot(width) / 2.0;
-    check.that(
-        !body_ok || half_diagonal <= targets.radius_m,
-        &["targets.radius_m", "targets.body_m"],
-        &targets.radius_m.to_string(),
-        &format!("at least half the diagonal of targets.body_m, {half_diagonal:.3} m"),
-    );
-    check.that(
-        !body_ok || height <= targets.cylinder_height_m,
-        &["targets.cylinder_height_m", "targets.body_m"],
-        &targets.cylinder_height_m.to_string(),
-        &format!("at least the height of targets.body_m, {height} m"),
-    );
-}
-
-/// Judges `[agents]`; tells whether there are as many as there may be.
-fn fleet(check: &mut Check, scenario: &Scenario) -> bool {
-    let fleet = &scenario.agents;
-    let is_fleet = check.whole("agents.count", fleet.count);
-    let speed = fleet.speed_m_s;
-    let holds = speed > 0.0 && speed <= 300.0;
-    check.that(holds, &["agents.speed_m_s"], &speed.to_string(), "above 0 and up to 300 m/s");
-    check.not_negative("agents.start_offset_m", fleet.start_offset_m);
-    start(check, fleet, scenario.map.size_m);
-    check.positive("agents.yaw_settling_s", fleet.yaw_settling_s);
-    let step = fleet.altitude_step_m;
-    check.that(
-        step.is_finite() && (step != 0.0 || fleet.count < 2),
-        &["agents.altitude_step_m"],
-        &step.to_string(),
-        "a number other than 0: each UAV has an altitude of its own",
-    );
-    check.positive("agents.altitude_band_m", fleet.altitude_band_m);
-    let (key, floor, what) = match scenario.map.kind {
-        MapKind::Generated => {
-            ("map.max_height_m", scenario.map.max_height_m, "the highest building")
-        }
-        _ => ("targets.cylinder_height_m", scenario.targets.cylinder_height_m, "a car"),
-    };
-    let (key, floor, what) = match fleet.avoid_buildings {
-        true => ("targets.cylinder_height_m", scenario.targets.cylinder_height_m, "a car"),
-        false => (key, floor, what),
-    };
-    let around = match key {
-        "map.max_height_m" => ", or agents.avoid_buildings = true",
-        _ => "",
-    };
-    let lowest = altitudes(fleet)[0];
-    check.that(
-        lowest > floor && lowest.is_finite(),
-        &["agents.altitude_m", "agents.altitude_step_m", key],
-        &format!("{} (the lowest UAV at {lowest} m)", fleet.altitude_m),
-        &format!("all UAVs above {what}, {key} = {floor} m{around}"),
-    );
-    is_fleet
-}
-
-/// How far outside the region a UAV may start, metres.
-const MAX_START_M: f64 = 1000.0;
-
-fn start(check: &mut Check, fleet: &FleetModel, size_m: [f64; 2]) {
-    let (got, count) = (fleet.start.len(), usize::from(fleet.count));
-    check.that(
-        matches!(got, 0 | 1) || got == count,
-        &["agents.start", "agents.count"],
-        &format!("{got} poses for {count} UAVs"),
-        "none, one that is the base of all, or one for each UAV",
-    );
-    for (index, StartPose { x_m, y_m, yaw_deg }) in fleet.start.iter().enumerate() {
-        let values = [
-            ("x_m", *x_m, size_m[0] / 2.0 + MAX_START_M),
-            ("y_m", *y_m, size_m[1] / 2.0 + MAX_START_M),
-            ("yaw_deg", *yaw_deg, 360.0),
-        ];
-        let is_within = |value: f64, most: f64| (-most..=most).contains(&value); // false for NaN
-        for (name, value, most) in values.into_iter().filter(|(_, v, most)| !is_within(*v, *most)) {
-            let key = format!("agents.start[{index}].{name}");
-            let text = format!("`{key}` cannot be {value}");
-            let expected = match name {
-                "yaw_deg" => "degrees from -360 to 360".to_owned(),
-                _ => {
-                    format!("from -{most} to {most} m, {MAX_START_M} m outside the region at most")
-                }
-            };
-            let mistake = Mistake::new(text).expected(expected);
-            check.0.push(Issue { keys: with_ancestors(&key), mistake, is_warning: false });
-        }
-    }
 }
 
 /// Who flies around buildings turns back in the launch site, if need be, and decides in time.
@@ -305,97 +219,6 @@ fn room_to_turn(check: &mut Check, scenario: &Scenario) {
              sharpest needs {room_m:.1} m"
         ),
     );
-}
-
-/// The lowest and the highest altitude.
-fn altitudes(fleet: &FleetModel) -> [f64; 2] {
-    let (first, last) = (fleet.altitude_m, fleet.altitude_of(fleet.count.max(1) - 1));
-    [first.min(last), first.max(last)]
-}
-
-/// Steps of depth that are told no finer than this are warned of, metres.
-const COARSE_DEPTH_M: f64 = 0.1;
-
-fn camera(check: &mut Check, scenario: &Scenario, is_fleet: bool) {
-    let camera = &scenario.camera;
-    let before = check.0.len();
-    let image = format!("{} x {}", camera.columns, camera.rows);
-    check.whole("camera.columns", camera.columns);
-    check.whole("camera.rows", camera.rows);
-    let keys = ["camera.columns", "camera.rows"];
-    let expected = format!("an image of at most {MAX_PIXELS} pixels");
-    check.that(camera.pixels() <= MAX_PIXELS, &keys, &image, &expected);
-    let aperture = camera.aperture_deg;
-    let expected = "an angle from 1 to below 180 degrees";
-    let holds = (1.0..180.0).contains(&aperture);
-    check.that(holds, &["camera.aperture_deg"], &aperture.to_string(), expected);
-    let tilt_ok = (-90.0..=90.0).contains(&camera.tilt_deg);
-    let expected = "an angle below the horizon, up to 90 degrees";
-    check.that(tilt_ok, &["camera.tilt_deg"], &camera.tilt_deg.to_string(), expected);
-    check.positive("camera.d_max_m", camera.d_max_m);
-    let depth_step_m = camera.depth_step_m();
-    if depth_step_m > COARSE_DEPTH_M && depth_step_m.is_finite() {
-        let text = format!(
-            "depths are told in steps of {depth_step_m:.2} m, a 65535th of `camera.d_max_m`"
-        );
-        let expected = format!("steps of at most {COARSE_DEPTH_M} m: sets of cars are as coarse");
-        check.warn(&["camera.d_max_m"], Mistake::new(text).expected(expected));
-    }
-    check.whole("camera.min_pixels", camera.min_pixels);
-    let [lo, hi] = camera.depth_noise;
-    check.that(
-        lo > -1.0 && lo <= 0.0 && hi >= 0.0 && hi.is_finite(),
-        &["camera.depth_noise"],
-        &format!("[{lo}, {hi}]"),
-        "an interval around 0 that begins above -1",
-    );
-    let fleet_ok = altitudes(&scenario.agents).iter().all(|a| *a > 0.0 && a.is_finite());
-    if check.0.len() == before && fleet_ok && is_fleet {
-        pixels_on_a_car(check, camera, &scenario.agents, scenario.targets.body_m);
-    }
-}
-
-fn pixels_on_a_car(check: &mut Check, camera: &CameraModel, fleet: &FleetModel, body_m: [f64; 3]) {
-    const KEYS: [&str; 6] = [
-        "camera.tilt_deg",
-        "camera.d_max_m",
-        "camera.aperture_deg",
-        "agents.altitude_m",
-        "camera.rows",
-        "camera.columns",
-    ];
-    let [_, highest] = altitudes(fleet);
-    let Some(coverage) = car_coverage(camera, highest, body_m) else {
-        let got =
-            format!("{} (at {highest} m altitude no ground within d_max is seen)", camera.tilt_deg);
-        check.that(false, &KEYS, &got, "a camera that sees ground nearer than camera.d_max_m");
-        return;
-    };
-    let (Some(worst), Some(best)) = (coverage.worst(), coverage.best()) else { return };
-    let image = format!("{} x {} pixels", camera.columns, camera.rows);
-    let keys = ["camera.columns", "camera.rows", "camera.min_pixels", "agents.altitude_m"];
-    if best.best < camera.min_pixels {
-        let text = format!(
-            "{image} are too coarse: at {highest} m altitude a car never has more than {} pixels",
-            best.best
-        );
-        let expected = format!("camera.min_pixels = {} somewhere in view", camera.min_pixels);
-        let mistake = Mistake::new(text).expected(expected);
-        check.0.push(Issue { keys: owned(&keys), mistake, is_warning: false });
-    } else if worst.worst < camera.min_pixels {
-        let sure = coverage.sure_up_to_m(camera.min_pixels);
-        let sure = sure.map_or("nowhere".into(), |m| format!("up to {m:.0} m ahead"));
-        let text = format!(
-            "{image} are coarse for Assumptions 4 and 7: at {highest} m altitude a car {:.0} m \
-             ahead ({:.0} m from the camera) may have only {} pixels",
-            worst.ground_m, worst.slant_m, worst.worst
-        );
-        let expected = format!(
-            "camera.min_pixels = {} in the whole footprint; cars are surely identified {sure}",
-            camera.min_pixels
-        );
-        check.warn(&keys, Mistake::new(text).expected(expected));
-    }
 }
 
 fn estimator(check: &mut Check, estimator: &EstimatorConfig, size_m: [f64; 2]) {

@@ -98,6 +98,7 @@ fn explain(error: WorldError, text: Option<&MapText>) -> (String, Mistake) {
             ("map.file", mistake)
         }
         WorldError::Map(error) => ("map.file", Mistake::new(format!("{name}: {error}"))),
+        WorldError::OffRoad(error) => ("targets.count", Mistake::new(error.to_string())),
         WorldError::Placement(error) => ("targets.count", Mistake::new(error.to_string())),
         WorldError::Track(error) => ("targets.tracks", Mistake::new(error.to_string())),
     };

@@ -7,13 +7,14 @@ use std::time::Duration;
 
 use csat_mission::mission::Mission;
 use csat_mission::node::Node;
-use csat_proto::camera::{CameraModel, Pose};
+use csat_proto::camera::Pose;
 use csat_proto::control::{FrameHeader, Order};
 use csat_proto::frame::Frame;
 use csat_proto::frame_wire;
 use csat_proto::ids::AgentId;
 use csat_proto::keys::Keys;
 use csat_proto::time::{SimTime, Step};
+use csat_world::sensor::SensorModel;
 use zenoh::query::Query;
 
 use super::input::{AgentInput, RawFrame, RawMessage};
@@ -32,7 +33,7 @@ pub(super) struct Shell<M: Mission> {
     pub patience: Duration,
     pub mission: M,
     /// `None` for a ground station.
-    pub camera: Option<CameraModel>,
+    pub sensor: Option<SensorModel>,
     pub period_s: f64,
     pub node: Node<M>,
     pub port: AgentPort,
@@ -85,7 +86,7 @@ impl<M: Mission> Shell<M> {
             keys,
             process,
             patience: arguments.patience,
-            camera: mission.camera(id),
+            sensor: mission.sensor(id),
             period_s,
             node: Node::new(&mission, id, links),
             mission,
@@ -135,12 +136,16 @@ impl<M: Mission> Shell<M> {
 
     /// A step begins: hands the agent its frame, sends what it has to say, and answers the world.
     pub fn begin_step(&mut self, frame: &RawFrame) -> Result<(), AgentError> {
-        let &FrameHeader { step, time, pose, p_world, incarnation, .. } = &frame.header;
+        let &FrameHeader { step, time, pose, p_world, yaw_rad, incarnation, .. } = &frame.header;
         self.log.clear();
         if incarnation.is_some_and(|life| life != self.node.incarnation()) {
             self.next_number.fill(0);
         }
-        let place = Pose { p_world: p_world.unwrap_or(pose.p_world), ..pose };
+        let place = Pose {
+            p_world: p_world.unwrap_or(pose.p_world),
+            yaw_rad: yaw_rad.unwrap_or(pose.yaw_rad),
+            ..pose
+        };
         // A crash of the scenario ends the life of the agent, not its process.
         self.node.begin(&self.mission, incarnation, &place);
         if incarnation.is_some() {
@@ -152,20 +157,28 @@ impl<M: Mission> Shell<M> {
         Ok(())
     }
 
-    /// Hands the agent its frame or, without camera, the step.
+    /// Hands the agent its frame or, without sensor, the step.
     fn look(&mut self, frame: &RawFrame) -> Result<(), AgentError> {
         let RawFrame { header, pixels } = frame;
         let &FrameHeader { step, time, pose, .. } = header;
-        let Some(camera) = &self.camera else {
-            header.check_blind(self.period_s, pixels.len())?;
-            self.node.step(time, step);
-            return Ok(());
-        };
-        let (labels, depth) = frame_wire::decode(pixels, camera.pixels())
-            .map_err(|source| AgentError::Frame { step, source })?;
-        header.check(camera, self.period_s, &labels)?;
-        let detections = header.detections.clone();
-        self.node.look(time, || Frame { step, pose, labels, depth, detections, sighting: None });
+        match &self.sensor {
+            None => {
+                header.check_blind(self.period_s, pixels.len())?;
+                self.node.step(time, step);
+            }
+            Some(SensorModel::Labels(camera)) => {
+                let (labels, depth) = frame_wire::decode(pixels, camera.pixels())
+                    .map_err(|source| AgentError::Frame { step, source })?;
+                header.check(camera, self.period_s, &labels)?;
+                let (detections, sighting) = (header.detections.clone(), None);
+                let frame = Frame { step, pose, labels, depth, detections, sighting };
+                self.node.look(time, || frame);
+            }
+            Some(SensorModel::Detector(camera, _)) => {
+                header.check_detector(camera, self.period_s, pixels.len())?;
+                self.node.look(time, || Frame::of_detector(step, pose, header.sighting));
+            }
+        }
         Ok(())
     }
 

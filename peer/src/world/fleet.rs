@@ -5,14 +5,14 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use csat_mission::fleet::{Brief, Fleet, Flown, Frames, renderers};
+use csat_mission::fleet::{Brief, Fleet, Flown, Frames, sensors};
 use csat_mission::mission::{Detail, Mission};
 use csat_mission::timing::{StageTimes, Stopwatch};
 use csat_netem::counters::{Counters, LinkCounters};
 use csat_netem::link::LinkId;
 use csat_proto::control::{Order, Pace, Welcome};
 use csat_proto::ids::AgentId;
-use csat_world::camera::Renderer;
+use csat_world::sensor::Sensor;
 use zenoh::Session;
 
 use super::FleetError;
@@ -31,8 +31,8 @@ pub struct RemoteFleet<M: Mission> {
     pub(super) patience: Duration,
     /// By agent.
     pub(super) members: Vec<Member<M::Report>>,
-    /// By agent; `None` for agents without camera.
-    pub(super) renderers: Vec<Option<Renderer>>,
+    /// By agent; `None` for agents without one.
+    pub(super) sensors: Vec<Option<Sensor>>,
     /// By agent, how long its last frame took.
     pub(super) render_times: Vec<StageTimes>,
     /// Real time: since the first frame.
@@ -63,7 +63,7 @@ impl<M: Mission> RemoteFleet<M> {
         Ok(Self {
             port: WorldPort::declare(session, &welcome, count)?,
             members: (0..count).map(|_| Member::default()).collect(),
-            renderers: renderers(mission, count),
+            sensors: sensors(mission, count),
             render_times: vec![StageTimes::default(); count],
             patience,
             since_start: None,

@@ -1,4 +1,4 @@
-//! Frames: the world renders them and sends one to each agent.
+//! Frames: the world makes them and sends one to each agent.
 
 use csat_mission::fleet::Brief;
 use csat_mission::mission::Mission;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::RemoteFleet;
 
 impl<M: Mission> RemoteFleet<M> {
-    /// A step begins: renders and sends all frames. An agent without camera, or one that is down, gets a
+    /// A step begins: makes and sends all frames. An agent without sensor, or one that is down, gets a
     /// frame without pixels.
     pub(super) fn send_frames(&mut self, brief: &Brief) {
         self.expected.begin(brief.step, &brief.lives);
@@ -18,21 +18,23 @@ impl<M: Mission> RemoteFleet<M> {
         for (member, is_down) in self.members.iter_mut().zip(&brief.is_down_by_schedule) {
             member.frames += u64::from(!is_down);
         }
-        let Self { port, roster, renderers, render_times, .. } = self;
+        let Self { port, roster, sensors, render_times, .. } = self;
         let (publishers, roster, said) = (port.publishers(), &*roster, &said);
-        let each = renderers.par_iter_mut().zip(render_times).enumerate();
-        each.for_each(|(index, (renderer, times))| {
+        let each = sensors.par_iter_mut().zip(render_times).enumerate();
+        each.for_each(|(index, (sensor, times))| {
             let agent = AgentId(index as u16);
             if roster.process(agent).is_none() {
                 return;
             }
             let is_up = brief.lives[index].is_some();
-            let camera = renderer.as_mut().filter(|_| is_up);
+            let sensor = sensor.as_mut().filter(|_| is_up);
             let (frame, rendered) =
-                stages::collect(|| camera.map(|renderer| brief.frame(renderer, agent)));
+                stages::collect(|| sensor.map(|sensor| brief.frame(sensor, agent)));
             *times = rendered;
             let mut header = header(brief, publishers.world(), agent, said);
-            header.detections = frame.as_ref().map(|f| f.detections.clone()).unwrap_or_default();
+            if let Some(frame) = &frame {
+                (header.detections, header.sighting) = (frame.detections.clone(), frame.sighting);
+            }
             publishers.frame(agent, &header, frame.as_ref());
         });
     }
@@ -43,18 +45,22 @@ impl<M: Mission> RemoteFleet<M> {
     }
 }
 
-/// The header of an agent's frame without detections.
+/// The header of an agent's frame without detections and sighting.
 fn header(brief: &Brief, world: u64, agent: AgentId, said: &[SaidSoFar]) -> FrameHeader {
     let index = usize::from(agent.0);
+    let (pose, truth) = (brief.reported[index], brief.poses[index]);
+    let is_exact = pose == truth;
     FrameHeader {
         world,
         step: brief.step,
         time: brief.now,
         next: brief.next,
-        pose: brief.poses[index],
-        p_world: None,
+        pose,
+        p_world: (!is_exact).then_some(truth.p_world),
+        yaw_rad: (!is_exact).then_some(truth.yaw_rad),
         incarnation: brief.lives[index],
         detections: Vec::new(),
+        sighting: None,
         said: said.to_vec(),
     }
 }

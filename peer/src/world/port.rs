@@ -141,7 +141,9 @@ impl WorldPublishers {
 
     /// Sends a frame to an agent; `frame` is `None` while the agent is down.
     pub fn frame(&self, agent: AgentId, header: &FrameHeader, frame: Option<&Frame>) {
-        let pixels = frame.map(|frame| frame_wire::encode(&frame.labels, &frame.depth));
+        // A detector has no image to send.
+        let image = frame.filter(|frame| !frame.labels.is_empty());
+        let pixels = image.map(|frame| frame_wire::encode(&frame.labels, &frame.depth));
         let publisher = &self.frames[usize::from(agent.0)];
         put(publisher.put(pixels.unwrap_or_default()).attachment(to_json(header)));
     }

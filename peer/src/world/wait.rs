@@ -79,7 +79,7 @@ impl<M: Mission> RemoteFleet<M> {
     }
 
     fn names(&self, agents: &[AgentId]) -> String {
-        let uavs = self.renderers.iter().flatten().count() as u16;
+        let uavs = self.sensors.iter().flatten().count() as u16;
         named(agents.iter().map(|agent| agent.0), uavs)
     }
 

@@ -76,7 +76,7 @@ mod depth;
 mod detect;
 mod hidden;
 mod lens;
-mod noise;
+pub(crate) mod noise;
 pub mod oracle;
 mod outline;
 mod reach;

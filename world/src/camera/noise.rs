@@ -1,4 +1,4 @@
-//! Depth noise and quantisation.
+//! The random numbers of frames, and depth noise and quantisation.
 
 use csat_proto::camera::CameraModel;
 use csat_proto::frame::Label;
@@ -11,7 +11,7 @@ use super::render::Classified;
 
 /// The random numbers of one frame; they do not depend on the draws for other frames.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stream {
+pub(crate) struct Stream {
     pub seed: u64,
     pub agent: AgentId,
     pub step: Step,
@@ -19,9 +19,10 @@ pub(super) struct Stream {
 
 /// The purpose of random numbers.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum NoisePurpose {
+pub(crate) enum NoisePurpose {
     Depth = 0,
     Boxes = 1,
+    Sighting = 2,
 }
 
 impl Stream {
@@ -108,6 +109,7 @@ mod tests {
         let all = [
             stream.rng(NoisePurpose::Depth),
             stream.rng(NoisePurpose::Boxes),
+            stream.rng(NoisePurpose::Sighting),
             Stream { seed: 2, ..stream }.rng(NoisePurpose::Depth),
             Stream { agent: AgentId(3), ..stream }.rng(NoisePurpose::Depth),
             Stream { step: Step(4), ..stream }.rng(NoisePurpose::Depth),
@@ -115,6 +117,6 @@ mod tests {
         let mut first: Vec<u64> = all.into_iter().map(|mut rng| rng.next_u64()).collect();
         first.sort_unstable();
         first.dedup();
-        assert_eq!(first.len(), 5);
+        assert_eq!(first.len(), 6);
     }
 }

@@ -51,6 +51,8 @@ pub enum MapKind {
     Generated,
     /// From a file.
     GeoJson,
+    /// No town: ground without buildings and roads.
+    Open,
 }
 
 /// What polygons without tags are.
@@ -145,9 +147,23 @@ pub struct Map {
 }
 
 impl Map {
+    /// Open ground.
+    pub fn open(ground: Ground) -> Self {
+        Self {
+            ground,
+            obstacles: Vec::new(),
+            roads: Vec::new(),
+            centre_deg: None,
+            attribution: None,
+            count: FeatureCount::default(),
+            warnings: Vec::new(),
+        }
+    }
+
     /// Share of the region under obstacles, 0..1.
     pub fn built_share(&self) -> f64 {
-        self.obstacles.iter().map(Obstacle::area_m2).sum::<f64>() / self.ground.area_m2()
+        // Without obstacles the sum is -0, which would be printed.
+        (self.obstacles.iter().map(Obstacle::area_m2).sum::<f64>() + 0.0) / self.ground.area_m2()
     }
 
     /// The tangent plane between `world` and longitude and latitude; a town without a position on
@@ -172,6 +188,7 @@ pub fn load(config: &MapConfig, rules: &MapRules, seed: u64) -> Result<Map, Vec<
                 .map_err(|e| vec![MapError::Read { path: path.clone(), reason: e.to_string() }])?;
             geojson::import(&text, Ground { size_m: config.size_m }, rules, config.untagged)
         }
+        (MapKind::Open, _) => Ok(Map::open(Ground { size_m: config.size_m })),
         _ => generate::generate(config, rules, seed).map_err(|e| vec![e]),
     }
 }
@@ -217,30 +234,57 @@ pub fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
             expect(config.file.is_some(), "map.file", got, "a GeoJSON file".into());
         }
         MapKind::Generated => {
-            let file = config.file.as_deref().unwrap_or(std::path::Path::new(""));
-            let got = format!("`{}` with kind = \"generated\"", file.display());
-            expect(config.file.is_none(), "map.file", got, "kind = \"geojson\" or no file".into());
-            let got = "set with kind = \"generated\"".into();
-            let expected = "kind = \"geojson\" or no key".into();
-            expect(config.untagged.is_none(), "map.untagged", got, expected);
-            let share_ok = (0.0..1.0).contains(&config.built_share);
-            let got = config.built_share.to_string();
-            expect(share_ok, "map.built_share", got, "a share from 0 to below 1".into());
-            let spacing_ok = (40.0..=1000.0).contains(&config.road_spacing_m);
-            let got = config.road_spacing_m.to_string();
-            expect(spacing_ok, "map.road_spacing_m", got, "40 to 1000 m".into());
-            let heights = [config.min_height_m, config.max_height_m];
-            let is_around = rules.lowest_altitude_m == f64::INFINITY;
-            let most_m = if is_around { MAX_HEIGHT_M } else { f64::MAX };
-            let heights_ok = heights[0] > 0.0 && heights[0] <= heights[1] && heights[1] <= most_m;
-            let expected = match is_around {
-                true => format!("0 < min_height_m <= max_height_m <= {MAX_HEIGHT_M} m"),
-                false => "0 < min_height_m <= max_height_m".into(),
-            };
-            expect(heights_ok, "map.max_height_m", format!("{heights:?}"), expected);
+            no_file(config, "generated", &mut expect);
+            town(config, rules, &mut expect);
+        }
+        MapKind::Open => {
+            no_file(config, "open", &mut expect);
+            let usual = MapConfig::default();
+            let of_towns = [
+                ("map.built_share", config.built_share, usual.built_share),
+                ("map.min_height_m", config.min_height_m, usual.min_height_m),
+                ("map.max_height_m", config.max_height_m, usual.max_height_m),
+                ("map.road_spacing_m", config.road_spacing_m, usual.road_spacing_m),
+            ];
+            for (key, got, usual) in of_towns {
+                let got_text = format!("{got} with kind = \"open\"");
+                expect(got == usual, key, got_text, "no such key: there is no town".into());
+            }
         }
     }
     errors
+}
+
+/// Takes whether a value holds, its key, the value, and what is expected.
+type Expect<'a> = dyn FnMut(bool, &'static str, String, String) + 'a;
+
+/// The keys of imported towns, in a map that is none.
+fn no_file(config: &MapConfig, kind: &str, expect: &mut Expect<'_>) {
+    let file = config.file.as_deref().unwrap_or(std::path::Path::new(""));
+    let got = format!("`{}` with kind = \"{kind}\"", file.display());
+    expect(config.file.is_none(), "map.file", got, "kind = \"geojson\" or no file".into());
+    let got = format!("set with kind = \"{kind}\"");
+    let expected = "kind = \"geojson\" or no key".into();
+    expect(config.untagged.is_none(), "map.untagged", got, expected);
+}
+
+/// The keys of generated towns.
+fn town(config: &MapConfig, rules: &MapRules, expect: &mut Expect<'_>) {
+    let share_ok = (0.0..1.0).contains(&config.built_share);
+    let got = config.built_share.to_string();
+    expect(share_ok, "map.built_share", got, "a share from 0 to below 1".into());
+    let spacing_ok = (40.0..=1000.0).contains(&config.road_spacing_m);
+    let got = config.road_spacing_m.to_string();
+    expect(spacing_ok, "map.road_spacing_m", got, "40 to 1000 m".into());
+    let heights = [config.min_height_m, config.max_height_m];
+    let is_around = rules.lowest_altitude_m == f64::INFINITY;
+    let most_m = if is_around { MAX_HEIGHT_M } else { f64::MAX };
+    let heights_ok = heights[0] > 0.0 && heights[0] <= heights[1] && heights[1] <= most_m;
+    let expected = match is_around {
+        true => format!("0 < min_height_m <= max_height_m <= {MAX_HEIGHT_M} m"),
+        false => "0 < min_height_m <= max_height_m".into(),
+    };
+    expect(heights_ok, "map.max_height_m", format!("{heights:?}"), expected);
 }
 
 #[cfg(test)]
@@ -282,6 +326,36 @@ mod tests {
         assert_eq!(keys(&config, &rules), expected);
         let config = MapConfig { kind: MapKind::GeoJson, ..MapConfig::default() };
         assert_eq!(keys(&config, &RULES), ["map.file"]);
+    }
+
+    #[test]
+    fn open_ground_has_nothing_on_it_and_no_keys_of_towns() {
+        let config =
+            MapConfig { kind: MapKind::Open, size_m: [600.0, 400.0], ..MapConfig::default() };
+        let map = load(&config, &RULES, 1).unwrap();
+        assert_eq!(
+            (map.ground.size_m, map.obstacles.len(), map.roads.len()),
+            ([600.0, 400.0], 0, 0)
+        );
+        assert!(map.built_share().is_sign_positive(), "no -0");
+        let wrong = MapConfig {
+            file: Some("x.geojson".into()),
+            untagged: Some(Untagged::Ignore),
+            built_share: 0.1,
+            min_height_m: 7.0,
+            max_height_m: 44.0,
+            road_spacing_m: 90.0,
+            ..config
+        };
+        let expected = [
+            "map.file",
+            "map.untagged",
+            "map.built_share",
+            "map.min_height_m",
+            "map.max_height_m",
+            "map.road_spacing_m",
+        ];
+        assert_eq!(keys(&wrong, &RULES), expected);
     }
 
     #[test]

@@ -6,19 +6,16 @@
 
 use std::f64::consts::TAU;
 
-use csat_proto::model::Ground;
 use csat_proto::region::is_inside;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+use super::off_road::OffRoad;
 use super::{Car, MAX_TURN_RATE_RAD_S, TargetTruth, Traffic, turned};
-use crate::obstacle::Walls;
-use crate::plane::{Point, between, distance_m, distance_to_segment_m};
+use crate::plane::{Point, distance_m, distance_to_segment_m};
 
 /// Headings that a car chooses from in each period.
 const HEADINGS: u32 = 16;
-/// Distance between the places on a car's way that are checked, metres.
-const WAY_STEP_M: f64 = 1.0;
 
 /// How a car evades.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,12 +67,8 @@ impl Watcher {
 
 /// Where cars may drive, and the UAVs that look for them.
 pub(crate) struct Chase<'a> {
-    /// The region, without the strip along its border that cars keep out of.
-    pub(crate) ground: Ground,
-    /// The buildings.
-    pub(crate) walls: &'a Walls,
-    /// How far a location stays from every wall, metres.
-    pub(crate) clearance_m: f64,
+    /// Where they may be.
+    pub(crate) ground: OffRoad<'a>,
     /// The UAVs.
     pub(crate) watchers: &'a [Watcher],
 }
@@ -89,11 +82,6 @@ struct CarMove {
 }
 
 impl Chase<'_> {
-    fn is_open(&self, place: Point) -> bool {
-        self.ground.contains(place)
-            && self.walls.nearest_within(place, self.clearance_m.next_up()).is_none()
-    }
-
     /// The cost, for a car of this manner, of `place` after a turn of `turn_rad`; the car takes the
     /// least.
     fn cost(&self, manner: Manner, place: Point, turn_rad: f64) -> (u8, f64) {
@@ -160,9 +148,6 @@ impl Traffic {
 
     /// Whether a car may drive straight from a place to another.
     fn is_free(&self, index: usize, chase: &Chase<'_>, from: Point, to: Point) -> bool {
-        let pieces = (distance_m(from, to) / WAY_STEP_M).ceil().max(1.0) as u32;
-        let way = (1..=pieces).map(|i| between(from, to, f64::from(i) / f64::from(pieces)));
-        let mut way = way.chain([to]);
-        way.all(|place| chase.is_open(place) && self.has_room(Some(index), place))
+        chase.ground.is_free(from, to, |place| self.has_room(Some(index), place))
     }
 }

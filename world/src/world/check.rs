@@ -3,6 +3,7 @@
 use csat_proto::model::{FLIGHT_CLEARANCE_M, FleetModel, Ground};
 
 use super::{WorldConfig, WorldError, stations};
+use crate::navigation::NavigationModel;
 
 /// Altitude of the lowest UAV, metres; of UAV 0 in an empty fleet.
 pub(super) fn lowest_altitude_m(fleet: &FleetModel) -> f64 {
@@ -27,6 +28,7 @@ pub(super) fn mistakes(config: &WorldConfig) -> Vec<WorldError> {
         ("targets.v_max_m_s", targets.v_max_m_s),
         ("targets.obstacle_distance_m", targets.obstacle_distance_m),
         ("targets.target_distance_m", targets.target_distance_m),
+        ("targets.walk_m_sqrt_s", targets.walk_m_sqrt_s),
         ("agents.speed_m_s", fleet.speed_m_s),
         ("agents.start_offset_m", fleet.start_offset_m),
     ];
@@ -42,6 +44,12 @@ pub(super) fn mistakes(config: &WorldConfig) -> Vec<WorldError> {
     expect(step.is_finite(), "agents.altitude_step_m", &step, "a number, in metres");
     let band = fleet.altitude_band_m;
     expect(positive(band), "agents.altitude_band_m", &band, "a number above 0, in metres");
+    if let Some(NavigationModel { sigma, time_constant_s, .. }) = &config.navigation {
+        let sigma_ok = sigma.iter().all(|s| length(*s));
+        expect(sigma_ok, "pose.sigma", sigma, "six numbers from 0 up, in metres and radians");
+        let time = time_constant_s;
+        expect(positive(*time), "pose.time_constant_s", time, "a number above 0, in seconds");
+    }
     if fleet.avoid_buildings {
         // At its start a UAV flies over the buildings there; elsewhere `map` checks the altitude.
         let (lowest_m, least_m) = (lowest_altitude_m(fleet), FLIGHT_CLEARANCE_M + 1.0);
