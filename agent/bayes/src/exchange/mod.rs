@@ -9,7 +9,7 @@
 //! | [`intervals`] | sets of numbers |
 //! | [`validate`] | the checks of a message before it is believed |
 //! | `repair` | anti-entropy: which factors others are missing, and who sends them again |
-//! | `worth` | which of many factors are worth most |
+//! | `ratings` | which of many factors are worth most |
 //! | `budget` | how many bytes may be sent |
 //! | `answer` | what an agent tells one that joins late |
 //! | `outbox` | numbers messages and queues them |
@@ -24,6 +24,6 @@ pub mod intervals;
 pub mod message;
 mod outbox;
 pub mod protocol;
+mod ratings;
 mod repair;
 pub mod validate;
-mod worth;
