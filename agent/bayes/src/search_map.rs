@@ -1,12 +1,13 @@
 //! The belief as guidance sees it: how probable each cell of a coarse raster is.
 
 use csat_proto::raster::Grid;
+use serde::{Deserialize, Serialize};
 
 /// Side of the cells, metres: the paper's grid.
 pub const CELL_M: f64 = 12.5;
 
 /// A probability for each cell.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SearchMap {
     /// The cells.
     pub grid: Grid,
@@ -15,7 +16,7 @@ pub struct SearchMap {
 }
 
 /// A Gaussian.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Gaussian {
     /// The mean, `world`, metres.
     pub mean: [f64; 2],

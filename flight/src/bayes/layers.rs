@@ -25,63 +25,88 @@ const MAX_REGION_SHARE: f64 = 0.05;
 /// The most particles that are drawn.
 const MAX_PARTICLES: usize = 800;
 
-const PLAIN: Style = Style {
-    key: Cow::Borrowed(""),
-    title: Cow::Borrowed(""),
-    kind: Form::Points,
-    colour: Colour::fixed("#000000"),
-    fill: Fill::Plain { opacity: 0.8 },
-    line: None,
-    label: None,
-    mark: None,
-    unit: None,
-    panel: None,
-    is_ground: true,
-    is_in_scene: false,
-};
+/// What differs from layer to layer.
+struct Kind {
+    key: &'static str,
+    title: &'static str,
+    form: Form,
+    colour: &'static str,
+    fill: Fill,
+    line_px: f64,
+    unit: &'static str,
+    is_in_scene: bool,
+}
+
+const fn style(kind: Kind) -> Style {
+    let Kind { key, title, form, colour, fill, line_px, unit, is_in_scene } = kind;
+    Style {
+        key: Cow::Borrowed(key),
+        title: Cow::Borrowed(title),
+        kind: form,
+        colour: Colour::fixed(colour),
+        fill,
+        line: if line_px > 0.0 { Some(Line::fixed(colour, line_px)) } else { None },
+        label: None,
+        mark: None,
+        unit: if unit.is_empty() { None } else { Some(Cow::Borrowed(unit)) },
+        panel: None,
+        is_ground: true,
+        is_in_scene,
+    }
+}
 
 /// The layers, from the bottom up.
 pub const LAYERS: &[Style] = &[
-    Style {
-        key: Cow::Borrowed("belief"),
-        title: Cow::Borrowed("where the target may be: probability of a cell"),
-        kind: Form::Heat,
-        colour: Colour::fixed("#5e3c99"),
+    style(Kind {
+        key: "belief",
+        title: "where the target may be: probability of a cell",
+        form: Form::Heat,
+        colour: "#5e3c99",
         fill: Fill::Plain { opacity: 0.75 },
-        unit: Some(Cow::Borrowed("%")),
-        ..PLAIN
-    },
-    Style {
-        key: Cow::Borrowed("particles"),
-        title: Cow::Borrowed("particles"),
-        colour: Colour::fixed("#fdb863"),
-        ..PLAIN
-    },
-    Style {
-        key: Cow::Borrowed("region"),
-        title: Cow::Borrowed("densest cells with 95 % of the probability"),
-        kind: Form::Cells,
-        colour: Colour::fixed("#e66101"),
+        line_px: 0.0,
+        unit: "%",
+        is_in_scene: false,
+    }),
+    style(Kind {
+        key: "particles",
+        title: "particles",
+        form: Form::Points,
+        colour: "#b35806",
+        fill: Fill::Plain { opacity: 0.6 },
+        line_px: 0.0,
+        unit: "",
+        is_in_scene: false,
+    }),
+    style(Kind {
+        key: "region",
+        title: "densest cells with 95 % of the probability",
+        form: Form::Cells,
+        colour: "#e66101",
         fill: Fill::Hatch { spacing_px: 4.0, width_px: 1.2, is_falling: false },
-        ..PLAIN
-    },
-    Style {
-        key: Cow::Borrowed("ellipse"),
-        title: Cow::Borrowed("95 % ellipse of mean and covariance"),
-        kind: Form::Areas,
-        colour: Colour::fixed("#e66101"),
+        line_px: 0.0,
+        unit: "",
+        is_in_scene: false,
+    }),
+    style(Kind {
+        key: "ellipse",
+        title: "95 % ellipse of mean and covariance",
+        form: Form::Areas,
+        colour: "#e66101",
         fill: Fill::None,
-        line: Some(Line::fixed("#e66101", 1.6)),
+        line_px: 1.6,
+        unit: "",
         is_in_scene: true,
-        ..PLAIN
-    },
-    Style {
-        key: Cow::Borrowed("detections"),
-        title: Cow::Borrowed("detections, false alarms included"),
-        colour: Colour::fixed("#1b7837"),
+    }),
+    style(Kind {
+        key: "detections",
+        title: "detections, false alarms included",
+        form: Form::Points,
+        colour: "#1b7837",
+        fill: Fill::Plain { opacity: 0.8 },
+        line_px: 0.0,
+        unit: "",
         is_in_scene: true,
-        ..PLAIN
-    },
+    }),
 ];
 
 /// What there is to draw of a report: `belief`, `particles` and `detections` only where it has its maps.
