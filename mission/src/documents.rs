@@ -177,11 +177,22 @@ struct PlanBody {
 struct Stance {
     p_world: [f64; 3],
     yaw_rad: f64,
+    /// A level vehicle has neither.
+    #[serde(skip_serializing_if = "is_zero")]
+    pitch_rad: f64,
+    #[serde(skip_serializing_if = "is_zero")]
+    roll_rad: f64,
+}
+
+fn is_zero(angle: &f64) -> bool {
+    *angle == 0.0
 }
 
 impl From<&Pose> for Stance {
-    fn from(pose: &Pose) -> Self {
-        Self { p_world: pose.p_world.map(to_millimetre), yaw_rad: micro(pose.yaw_rad) }
+    fn from(&Pose { p_world, yaw_rad, pitch_rad, roll_rad }: &Pose) -> Self {
+        let p_world = p_world.map(to_millimetre);
+        let [yaw_rad, pitch_rad, roll_rad] = [yaw_rad, pitch_rad, roll_rad].map(micro);
+        Self { p_world, yaw_rad, pitch_rad, roll_rad }
     }
 }
 

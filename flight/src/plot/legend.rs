@@ -23,7 +23,8 @@ struct Legend {
 /// Height of the legend, pixels; `agent` as for [`legend`].
 pub fn height_px(view: &View, agent: Option<usize>) -> f64 {
     let scales = view.layers.iter().filter(|style| agent.is_some() && has_scale(style));
-    ROW_PX * (view.layers.len() + scales.count() + 4) as f64
+    let building = usize::from(!view.obstacles.is_empty());
+    ROW_PX * (view.layers.len() + scales.count() + building + 3) as f64
 }
 
 /// The legend with its top left corner at (x, y): of a map of what one agent knows, or without the
@@ -37,8 +38,9 @@ pub fn legend(x: f64, y: f64, view: &View, agent: Option<usize>) -> Group {
             legend.scale(style, Layer::of(layers, style));
         }
     }
-    let building = legend.sample().set("fill", town::BUILDING).set("stroke", town::BUILDING_EDGE);
-    legend.row(building, "building, darker when higher");
+    if !view.obstacles.is_empty() {
+        legend.building();
+    }
     legend.cars(&agent.map_or_else(|| "the agent".to_owned(), |agent| view.name_of(agent)));
     legend.fleet(view);
     legend.all
@@ -49,6 +51,11 @@ fn has_scale(style: &Style) -> bool {
 }
 
 impl Legend {
+    fn building(&mut self) {
+        let sample = self.sample().set("fill", town::BUILDING).set("stroke", town::BUILDING_EDGE);
+        self.row(sample, "building, darker when higher");
+    }
+
     /// The outline of a sample in the next row.
     fn sample(&self) -> Path {
         let (x, y) = (round(self.x), round(self.y + 3.0));

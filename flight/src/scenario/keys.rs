@@ -5,11 +5,12 @@
 //! cannot be, and what was expected instead is what is allowed.
 
 use csat_world::map::{self, MapError};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::explain::expected_type;
-use super::model::Scenario;
-use super::unit::default_table;
+use super::missions;
+use super::model::SET_MEMBERSHIP;
+use super::read::Form;
 use super::validate;
 
 const REFERENCE: &str = include_str!("../../../docs/scenario.md");
@@ -19,6 +20,8 @@ const REFERENCE: &str = include_str!("../../../docs/scenario.md");
 pub struct Section {
     /// `Top level`, `[run]`, `[[netem.outage]]` or `loss = { model = "iid" }`.
     pub heading: &'static str,
+    /// The mission whose own table it is; `None` for a field of [`Scenario`](super::Scenario).
+    pub mission: Option<&'static str>,
     /// Its rows.
     pub rows: Vec<Row>,
 }
@@ -34,12 +37,18 @@ pub struct Row {
     pub meaning: &'static str,
 }
 
-/// The tables of docs/scenario.md.
+/// The tables of docs/scenario.md. The heading of a mission's own table names the mission: `[belief]` of
+/// `bayes`.
 pub fn sections() -> Vec<Section> {
     let mut sections: Vec<Section> = Vec::new();
     for line in REFERENCE.lines() {
         if let Some(heading) = line.strip_prefix("## ") {
-            sections.push(Section { heading: heading.trim_matches('`'), rows: Vec::new() });
+            let (heading, mission) = match heading.split_once("` of `") {
+                Some((heading, mission)) => (heading, Some(mission.trim_matches('`'))),
+                None => (heading, None),
+            };
+            let heading = heading.trim_matches('`');
+            sections.push(Section { heading, mission, rows: Vec::new() });
         }
         let cells: Vec<&str> =
             line.split(" | ").map(|cell| cell.trim_matches(['|', ' '])).collect();
@@ -62,6 +71,9 @@ pub struct Key {
     /// The model that has it, if only one of several has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<String>,
+    /// The mission that has it, if it is in one of a mission's own tables.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mission: Option<&'static str>,
     /// Its default as TOML; absent when it may be left out without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub default: Option<String>,
@@ -79,7 +91,7 @@ pub struct Key {
 
 /// All keys whose path begins with `prefix`, in the order of the document.
 pub fn keys(prefix: &str) -> Vec<Key> {
-    let sections = sections();
+    let sections = known_sections();
     let all =
         sections.iter().flat_map(|section| section.rows.iter().map(move |row| (section, row)));
     let paths = all.map(|(section, row)| (path(section.heading, row.key), section, row));
@@ -87,16 +99,22 @@ pub fn keys(prefix: &str) -> Vec<Key> {
         .filter(|(path, ..)| path.starts_with(prefix))
         .map(|(path, section, row)| Key::new(path, section, row))
         .collect();
-    let defaults = default_table();
-    keys.iter_mut().for_each(|key| key.allowed = allowed(&defaults, key));
+    keys.iter_mut().for_each(|key| key.allowed = allowed(key));
     keys
+}
+
+/// The tables of scenarios of this program: those of missions that it does not fly are left out.
+fn known_sections() -> Vec<Section> {
+    let is_known =
+        |section: &Section| section.mission.is_none_or(|name| missions::find(name).is_some());
+    sections().into_iter().filter(is_known).collect()
 }
 
 /// The paths of all keys.
 pub fn paths() -> impl Iterator<Item = String> {
     let of =
         |section: Section| section.rows.into_iter().map(move |row| path(section.heading, row.key));
-    sections().into_iter().flat_map(of)
+    known_sections().into_iter().flat_map(of)
 }
 
 /// The path of a key in the table of that heading.
@@ -122,6 +140,7 @@ impl Key {
         Self {
             unit: unit(row.key),
             model: section.heading.split('"').nth(1).map(str::to_owned),
+            mission: section.mission,
             default,
             required: row.default == "required",
             allowed: None,
@@ -139,9 +158,10 @@ impl Key {
             (None, false) => {}
         }
         let model = self.model.as_ref().map(|model| format!("of model \"{model}\""));
+        let mission = self.mission.map(|mission| format!("of mission \"{mission}\""));
         let unit = self.unit.map(str::to_owned);
-        let notes: Vec<String> =
-            [model, unit, self.allowed.clone()].into_iter().flatten().collect();
+        let notes = [mission, model, unit, self.allowed.clone()];
+        let notes: Vec<String> = notes.into_iter().flatten().collect();
         if !notes.is_empty() {
             line += &format!("   [{}]", notes.join("; "));
         }
@@ -180,16 +200,19 @@ fn plain(markdown: &str) -> String {
 }
 
 /// What the program expects of a key, found out by giving it what cannot be.
-fn allowed(defaults: &toml::Table, key: &Key) -> Option<String> {
-    if let Some(expected) = validate::whole_number(&key.key) {
+fn allowed(key: &Key) -> Option<String> {
+    // Another mission's key of the same name has other limits.
+    if let (None, Some(expected)) = (key.mission, validate::whole_number(&key.key)) {
         return Some(expected.to_owned());
     }
     // Tables of arrays and of models stand for themselves only when they are whole.
     if key.model.is_some() || key.key.contains("[]") {
         return None;
     }
+    let form = Form { mission: missions::find(key.mission.unwrap_or(SET_MEMBERSHIP))? };
+    let defaults = form.defaults();
     let nan = toml::Value::Float(f64::NAN);
-    let impossible = match lookup(defaults, &key.key)? {
+    let impossible = match lookup(&defaults, &key.key)? {
         toml::Value::String(_) => vec![toml::Value::String("\u{0}".to_owned())],
         toml::Value::Boolean(_) => return Some("true or false".to_owned()),
         // Some of them is out of bounds, or else of the type.
@@ -198,14 +221,19 @@ fn allowed(defaults: &toml::Table, key: &Key) -> Option<String> {
         toml::Value::Array(list) => vec![toml::Value::Array(vec![nan; list.len()])],
         _ => return None,
     };
-    impossible.into_iter().find_map(|value| expected(defaults, &key.key, value))
+    impossible.into_iter().find_map(|value| expected(&form, &defaults, &key.key, value))
 }
 
 /// What the program expects instead of a value; `None` if it takes it, or cannot tell.
-fn expected(defaults: &toml::Table, key: &str, value: toml::Value) -> Option<String> {
+fn expected(
+    form: &Form<'_>,
+    defaults: &toml::Table,
+    key: &str,
+    value: toml::Value,
+) -> Option<String> {
     let mut table = defaults.clone();
     *lookup_mut(&mut table, key)? = value;
-    let scenario = match Scenario::deserialize(toml::Value::Table(table)) {
+    let scenario = match form.scenario(table) {
         Ok(scenario) => scenario,
         Err(error) => return expected_type(error.message()),
     };
@@ -215,7 +243,7 @@ fn expected(defaults: &toml::Table, key: &str, value: toml::Value) -> Option<Str
         _ => None,
     });
     of_town.or_else(|| {
-        let issues = validate::validate(&scenario, validate::of_set_membership(&scenario));
+        let issues = validate::validate(&scenario, form.mission.judge_scenario(&scenario));
         let own = issues.iter().find(|i| !i.is_warning && i.keys.first().is_some_and(|k| k == key));
         let mistake = &own?.mistake;
         // `netem` says it all in one sentence.

@@ -3,8 +3,11 @@
 use std::collections::BTreeSet;
 
 use super::keys::{Row, Section, sections};
+use super::missions::{Entry, Listed};
+use super::read::Form;
 use super::unit::default_table;
 use super::*;
+use crate::set_membership::SetMembership;
 
 /// A scenario in which the section has a key that nobody knows.
 fn with_stranger(heading: &str) -> String {
@@ -18,8 +21,9 @@ fn with_stranger(heading: &str) -> String {
 }
 
 /// The keys that the program knows there: what it expected instead of the stranger.
-fn known(heading: &str) -> BTreeSet<String> {
-    let error = toml::from_str::<Scenario>(&with_stranger(heading)).unwrap_err();
+fn known(heading: &str, mission: &dyn Listed) -> BTreeSet<String> {
+    let table = toml::from_str(&with_stranger(heading)).unwrap();
+    let error = Form { mission }.scenario(table).unwrap_err();
     let (first, expected) = error.message().split_once(", expected ").unwrap();
     assert!(first.contains("`stranger`"), "{heading}: {error}");
     expected.split('`').skip(1).step_by(2).map(str::to_owned).collect()
@@ -30,13 +34,18 @@ fn every_key_is_documented_and_every_documented_key_is_there() {
     let tables: BTreeSet<&str> =
         ["run", "map", "targets", "agents", "camera", "estimator", "guidance", "exchange", "netem"]
             .into();
-    for Section { heading, rows } in sections() {
+    for Section { heading, mission, rows } in sections() {
         let mut documented: BTreeSet<String> =
             rows.into_iter().map(|row| row.key.to_owned()).collect();
+        let mission = mission_of(mission);
         // Tables inside a table have sections of their own.
         match heading {
+            _ if mission.kind().name != SET_MEMBERSHIP => {
+                documented
+                    .extend(tables_in(&lookup(&mission.tables(), heading).unwrap_or_default()));
+            }
             "Top level" => documented.extend(tables.iter().map(|table| (*table).to_owned())),
-            "[agents]" => documented.extend(["start".to_owned()]),
+            "[agents]" => documented.extend(["start".to_owned(), "fixed_wing".to_owned()]),
             "[guidance]" => documented.extend(["str4".to_owned()]),
             "[exchange]" => documented.extend(["channels".to_owned()]),
             // Any other name is a radio.
@@ -46,7 +55,41 @@ fn every_key_is_documented_and_every_documented_key_is_there() {
             }
             _ => {}
         }
-        assert_eq!(documented, known(heading), "{heading}");
+        assert_eq!(documented, known(heading, mission), "{heading}");
+    }
+}
+
+/// The mission of a section: those of every scenario are judged by the first one.
+fn mission_of(name: Option<&str>) -> &'static dyn Listed {
+    const USUAL: &dyn Listed = &Entry::<SetMembership>::new();
+    name.map_or(USUAL, |name| missions::find(name).unwrap())
+}
+
+/// The table of a heading.
+fn lookup(whole: &toml::Table, heading: &str) -> Option<toml::Table> {
+    let path = if heading == "Top level" { "" } else { heading.trim_matches(['[', ']']) };
+    let mut parts = path.split('.').filter(|part| !part.is_empty());
+    parts.try_fold(whole, |table, part| table.get(part)?.as_table()).cloned()
+}
+
+fn tables_in(table: &toml::Table) -> Vec<String> {
+    table.iter().filter(|(_, value)| value.is_table()).map(|(key, _)| key.clone()).collect()
+}
+
+/// Every table of every mission has a section, with the tables in it.
+#[test]
+fn every_table_of_a_mission_is_documented() {
+    fn check(sections: &[Section], mission: &str, path: &str, tables: &toml::Table) {
+        for key in tables_in(tables) {
+            let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+            let is_it =
+                |s: &Section| s.mission == Some(mission) && s.heading == format!("[{path}]");
+            assert!(sections.iter().any(is_it), "[{path}] of {mission}");
+            check(sections, mission, &path, tables[&key].as_table().unwrap());
+        }
+    }
+    for mission in missions::all() {
+        check(&sections(), mission.kind().name, "", &mission.tables());
     }
 }
 
@@ -67,17 +110,16 @@ fn every_model_is_documented() {
 
 #[test]
 fn documented_defaults_are_those_of_the_program() {
-    let mut whole = default_table();
+    let mut usual = default_table();
     let propagation = csat_netem::config::PropagationConfig::default();
-    let radio = whole["netem"]["radio"].as_table_mut().unwrap();
+    let radio = usual["netem"]["radio"].as_table_mut().unwrap();
     radio.insert("propagation".to_owned(), toml::Value::try_from(propagation).unwrap());
-    for Section { heading, rows } in sections() {
-        let path = if heading == "Top level" { "" } else { heading.trim_matches(['[', ']']) };
+    for Section { heading, mission, rows } in sections() {
         if heading.starts_with("[[") || heading.contains("model") {
             continue;
         }
-        let mut parts = path.split('.').filter(|part| !part.is_empty());
-        let table = parts.try_fold(&whole, |table, part| table.get(part)?.as_table()).unwrap();
+        let own = mission.map(|name| mission_of(Some(name)).tables());
+        let table = lookup(own.as_ref().unwrap_or(&usual), heading).unwrap();
         for Row { key, default, .. } in rows {
             let documented = toml::from_str::<toml::Table>(&format!("x = {default}"));
             match (table.get(key), documented) {

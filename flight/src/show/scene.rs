@@ -77,7 +77,7 @@ pub fn frames(time_ns: u64, world: &World) -> FrameTransforms {
     let uavs = usize::from(world.config().fleet.count);
     let frame = |(index, pose): (usize, &Pose)| {
         let kind = if index < uavs { "uav" } else { "station" };
-        let FoxglovePose { position, orientation } = at(pose.p_world, pose.yaw_rad);
+        let FoxglovePose { position, orientation } = at_pose(pose);
         FrameTransform {
             timestamp: Some(timestamp(time_ns)),
             parent_frame_id: FRAME.to_owned(),
@@ -107,7 +107,7 @@ fn uav(time_ns: u64, seen: &Seen, pose: &Pose) -> SceneEntity {
     let colour = colour(seen, 1.0);
     let [x, y, z] = pose.p_world;
     let arrow = ArrowPrimitive {
-        pose: Some(at(pose.p_world, pose.yaw_rad)),
+        pose: Some(at_pose(pose)),
         shaft_length: 6.0,
         shaft_diameter: 2.0,
         head_length: 4.0,
@@ -245,11 +245,22 @@ fn coarse(metres: f64) -> f64 {
     (metres * 16.0).round() / 16.0
 }
 
-fn at([x, y, z]: [f64; 3], yaw_rad: f64) -> FoxglovePose {
-    let (sin, cos) = (yaw_rad / 2.0).sin_cos();
+fn at(p_world: [f64; 3], yaw_rad: f64) -> FoxglovePose {
+    at_pose(&Pose::level(p_world, yaw_rad))
+}
+
+/// A pose as a quaternion: the product of those of yaw, pitch and roll.
+fn at_pose(&Pose { p_world: [x, y, z], yaw_rad, pitch_rad, roll_rad }: &Pose) -> FoxglovePose {
+    let [(sy, cy), (sp, cp), (sr, cr)] =
+        [yaw_rad, pitch_rad, roll_rad].map(|angle| (angle / 2.0).sin_cos());
     FoxglovePose {
         position: Some(Vector3 { x, y, z }),
-        orientation: Some(Quaternion { x: 0.0, y: 0.0, z: sin, w: cos }),
+        orientation: Some(Quaternion {
+            x: cy * cp * sr - sy * sp * cr,
+            y: cy * sp * cr + sy * cp * sr,
+            z: sy * cp * cr - cy * sp * sr,
+            w: cy * cp * cr + sy * sp * sr,
+        }),
     }
 }
 
@@ -265,6 +276,16 @@ mod tests {
         let (agent, footprint) = (AgentId(2), Vec::new());
         let seen = Seen { agent, footprint, layers: vec![drawn.clone()], is_repeated: false };
         layer(0, &drawn, &seen)
+    }
+
+    #[test]
+    fn orientations_are_the_rotations_of_poses() {
+        let pose = Pose { p_world: [1.0, 2.0, 3.0], yaw_rad: 2.0, pitch_rad: -0.3, roll_rad: 0.5 };
+        let Quaternion { x, y, z, w } = at_pose(&pose).orientation.unwrap();
+        let rotation =
+            nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
+        let difference = rotation.to_rotation_matrix().into_inner() - pose.world_from_body();
+        assert!(difference.amax() < 1e-12, "{difference}");
     }
 
     #[test]

@@ -32,7 +32,7 @@ pub fn of_topic(kind: &Kind, topic: &str, encoding: Encoding) -> (String, String
     };
     let mut schema = object(&format!("{head} {numbers} {own}"));
     let nested = match name {
-        "plan" => Some(("poses", "p_world:[n] yaw_rad:n")),
+        "plan" => Some(("poses", "p_world:[n] yaw_rad:n pitch_rad:n? roll_rad:n?")),
         "links" => Some(("heard", "src:n channel:n outcome:s count:n delay_s:n?")),
         "town" => Some(("stations", "x_m:n y_m:n z_m:n")),
         "columns" if !is_view => Some(("columns", "key:s name:s unit:s of:s meaning:s")),
@@ -57,7 +57,7 @@ fn numbers<'a>(columns: impl Iterator<Item = &'a Column>) -> String {
 
 fn of_view(name: &str, encoding: Encoding) -> &'static str {
     match name {
-        "pose" => "p_world:[n] yaw_rad:n",
+        "pose" => "p_world:[n] yaw_rad:n pitch_rad:n? roll_rad:n?",
         "stats" => "bytes_sent:n withheld:n",
         "plan" | "links" => "",
         // A layer.

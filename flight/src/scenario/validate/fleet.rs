@@ -156,8 +156,9 @@ fn fixed_wing(check: &mut Check, fleet: &FleetModel) {
         &format!("an angle from -{MAX_TRIM_DEG} to {MAX_TRIM_DEG} degrees"),
     );
     let [east, north] = wind_m_s;
+    let is_speed = fleet.speed_m_s > 0.0;
     check.that(
-        east.hypot(north) < fleet.speed_m_s, // false for NaN
+        !is_speed || east.hypot(north) < fleet.speed_m_s, // false for NaN
         &["agents.fixed_wing.wind_m_s", "agents.speed_m_s"],
         &format!("{wind_m_s:?}"),
         &format!("a wind slower than agents.speed_m_s = {} m/s", fleet.speed_m_s),
