@@ -8,11 +8,13 @@
 //! | [`truth`] | checks of a frame's sets and of an agent's knowledge against a scene |
 //! | [`pair`] | agents and links that lose, delay, repeat and reorder packets |
 //! | [`flight`] | a small world around a pair |
+//! | [`bayes`] | the Bayesian search: its swarm, its calibration, and its equations once more |
 //! | [`swarm`] | missions with every fault, drawn from one seed, and the laws that hold in them |
 //! | [`drawn`] | legal scenarios, also extreme ones, drawn from one seed |
 //! | [`fuzz`] | the checks of the fuzzers on arbitrary bytes |
 //! | [`missions`] | whole missions through the engine |
 
+pub mod bayes;
 pub mod drawn;
 pub mod flight;
 pub mod fuzz;

@@ -1,6 +1,10 @@
 //! Tests over many seeds. A failing seed prints how to run it alone.
 
+use std::fs;
+use std::io::Write;
 use std::ops::Range;
+use std::path::Path;
+use std::time::SystemTime;
 
 /// The environment variable that selects one seed.
 const VARIABLE: &str = "CSAT_SEED";
@@ -25,6 +29,59 @@ fn picked() -> Option<u64> {
     let seed = std::env::var_os(VARIABLE)?;
     let number = seed.to_str().and_then(|seed| seed.parse().ok());
     Some(number.unwrap_or_else(|| panic!("{VARIABLE}={seed:?}: expected a seed, such as 17")))
+}
+
+/// The seeds of a swarm.
+#[derive(Debug, Clone, Copy)]
+pub struct Seeds {
+    /// How many are flown every time, from 0 on.
+    pub fixed: u64,
+    /// How many new ones are flown, which no earlier run has flown.
+    pub fresh: u64,
+    /// The file of the seeds that failed once; failing ones are added.
+    pub regressions: &'static str,
+}
+
+impl Seeds {
+    /// The seeds of `CSAT_SEED`, of `CSAT_SEEDS`, or else all.
+    #[expect(clippy::disallowed_methods, reason = "fresh seeds are to be new ones")]
+    pub fn all(&self) -> Vec<u64> {
+        if let Some(seed) = picked() {
+            return vec![seed];
+        }
+        if let Some(range) = range() {
+            return range.collect();
+        }
+        let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        let fresh = since_1970.map_or(0, |time| time.as_secs()) << 8;
+        let mut seeds = self.known();
+        seeds.extend((0..self.fixed).chain(fresh..fresh + self.fresh));
+        seeds
+    }
+
+    /// Adds a seed to the regressions.
+    pub fn keep(&self, seed: u64, law: &str) {
+        if !Path::new(self.regressions).exists() || self.known().contains(&seed) {
+            return;
+        }
+        if let Ok(mut file) = fs::OpenOptions::new().append(true).open(self.regressions) {
+            let _ = writeln!(file, "{seed}  # {}", law.lines().next().unwrap_or_default());
+        }
+    }
+
+    /// The seeds that failed once.
+    fn known(&self) -> Vec<u64> {
+        let text = fs::read_to_string(self.regressions).unwrap_or_default();
+        let numbers = text.lines().filter_map(|line| line.split_whitespace().next());
+        numbers.filter_map(|number| number.parse().ok()).collect()
+    }
+}
+
+/// `CSAT_SEEDS`: how many, or from..to.
+fn range() -> Option<Range<u64>> {
+    let text = std::env::var("CSAT_SEEDS").ok()?;
+    let (from, to) = text.split_once("..").unwrap_or(("0", &text));
+    Some(from.parse().ok()?..to.parse().ok()?)
 }
 
 struct Announce {

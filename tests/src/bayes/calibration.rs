@@ -1,0 +1,156 @@
+//! How often the target is where it is believed to be, over many short missions.
+
+use csat_bayes::config::{ExchangeConfig, ExchangeMode, Fusion};
+use csat_flight::scenario::Scenario;
+use csat_mission::engine::Engine;
+use csat_netem::config::LossConfig;
+use csat_proto::model::StartPose;
+use csat_world::navigation::Noise;
+use rayon::prelude::*;
+use statrs::distribution::{Binomial, DiscreteCDF};
+
+use super::missions::{Tables, tisdale, with_tables};
+use super::quiet::Quiet;
+use crate::missions::world_of;
+
+/// The share of the probability that a region holds.
+pub const SHARE: f64 = 0.95;
+/// A right program is found wrong this often, in each direction.
+const ERROR: f64 = 0.0005;
+
+/// A kind of mission.
+#[derive(Debug, Clone)]
+pub struct Setting {
+    /// Side of the region, metres.
+    pub side_m: f64,
+    /// Seconds.
+    pub duration_s: f64,
+    /// Whether links have 300 m of range and lose three messages of ten, in bursts.
+    pub is_lossy: bool,
+    /// `[exchange]`.
+    pub exchange: ExchangeConfig,
+    /// How errors of poses change.
+    pub noise: Noise,
+}
+
+impl Default for Setting {
+    fn default() -> Self {
+        Self {
+            side_m: 400.0,
+            duration_s: 90.0,
+            is_lossy: false,
+            exchange: ExchangeConfig::default(),
+            noise: Noise::White,
+        }
+    }
+}
+
+impl Setting {
+    /// Beliefs are told, and fused in this way.
+    pub fn of_beliefs(fusion: Fusion) -> Self {
+        let exchange =
+            ExchangeConfig { mode: ExchangeMode::Snapshot, fusion, ..ExchangeConfig::default() };
+        Self { exchange, ..Self::default() }
+    }
+
+    fn scenario(&self, seed: u64) -> Scenario {
+        let mut scenario = tisdale();
+        scenario.seed = seed;
+        scenario.run.duration_s = self.duration_s;
+        scenario.map.size_m = [self.side_m; 2];
+        let x_m = 0.48 * self.side_m;
+        let start = |x_m| StartPose { x_m, y_m: -0.52 * self.side_m, yaw_deg: 90.0 };
+        scenario.agents.start = vec![start(-x_m), start(x_m)];
+        if self.is_lossy {
+            scenario.netem.radio.range_m = 300.0;
+            // Bursts of ten messages.
+            let (r, k) = (0.1, 1.0);
+            scenario.netem.radio.loss = LossConfig::GilbertElliott { p: 0.3 / 0.7 * r, r, h: 0.0, k };
+        }
+        let mut tables = Tables { exchange: self.exchange.clone(), ..Tables::default() };
+        tables.pose.noise = self.noise;
+        with_tables(scenario, &tables)
+    }
+}
+
+/// How a mission ended.
+#[derive(Debug, Clone, Copy)]
+pub struct End {
+    /// Whether the target was in the 95 % region of UAV 0.
+    pub is_in: bool,
+    /// How sure UAV 0 was: the square root of the trace of its covariance, metres.
+    pub sigma_m: f64,
+    /// From its mean to the target, metres.
+    pub error_m: f64,
+}
+
+/// Flies the missions of these seeds.
+pub fn fly(setting: &Setting, seeds: std::ops::Range<u64>) -> Vec<End> {
+    seeds.into_par_iter().map(|seed| end(&setting.scenario(seed))).collect()
+}
+
+fn end(scenario: &Scenario) -> End {
+    let world = world_of(scenario).expect("open ground");
+    let mut engine = Engine::new(Quiet::new(scenario), world, &scenario.netem, scenario.seed);
+    for _ in 0..=scenario.steps() {
+        engine.step();
+    }
+    let [x, y] = engine.world().targets()[0].location;
+    let belief = engine.nodes()[0].agent.filter().belief();
+    let estimate = belief.gaussian();
+    End {
+        is_in: belief.highest_density(SHARE).contains([x, y]),
+        sigma_m: estimate.sigma_m(),
+        error_m: (estimate.mean[0] - x).hypot(estimate.mean[1] - y),
+    }
+}
+
+/// In how many missions the target was where it was believed to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Coverage {
+    /// Where it was.
+    pub hits: u64,
+    /// All of them.
+    pub missions: u64,
+}
+
+impl Coverage {
+    /// Counts.
+    pub fn of(ends: &[End]) -> Self {
+        let hits = ends.iter().filter(|end| end.is_in).count() as u64;
+        Self { hits, missions: ends.len() as u64 }
+    }
+
+    /// The share.
+    pub fn share(self) -> f64 {
+        self.hits as f64 / self.missions as f64
+    }
+
+    /// Whether so few hits are no accident where 95 % are promised.
+    pub fn is_too_low(self) -> bool {
+        self.binomial().cdf(self.hits) < ERROR
+    }
+
+    /// Whether so many hits are no accident.
+    pub fn is_too_high(self) -> bool {
+        self.hits > 0 && self.binomial().sf(self.hits - 1) < ERROR
+    }
+
+    fn binomial(self) -> Binomial {
+        Binomial::new(SHARE, self.missions).expect("a probability")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn accidents_are_told_from_mistakes() {
+        let of = |hits| Coverage { hits, missions: 200 };
+        assert!((181..200).all(|hits| !of(hits).is_too_low() && !of(hits).is_too_high()));
+        assert!(of(176).is_too_low() && of(178).is_too_low(), "0.88 is too low");
+        assert!(of(200).is_too_high() && !of(200).is_too_low());
+        assert!(Coverage { hits: 0, missions: 4 }.is_too_low());
+    }
+}

@@ -1,0 +1,45 @@
+//! The swarm of the Bayesian search: fixed seeds, those that once failed, and a few new ones.
+//!
+//! `CSAT_SEEDS=1000` flies that many instead, `CSAT_SEEDS=500..700` those; `CSAT_SEED=7` flies one.
+
+use csat_tests::bayes::swarm::{self, Exercise};
+use csat_tests::replay::Seeds;
+use rayon::prelude::*;
+
+/// Seeds that are flown every time, and new ones.
+const SEEDS: Seeds = Seeds {
+    fixed: 40,
+    fresh: 4,
+    regressions: concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/bayes_swarm_regressions.txt"),
+};
+
+#[test]
+fn whatever_the_links_do_beliefs_are_products_and_healed_agents_agree() {
+    let seeds = SEEDS.all();
+    let flown: Vec<_> = seeds.par_iter().map(|&seed| (seed, swarm::fly(seed))).collect();
+    let mut failures = Vec::new();
+    let mut exercise = Exercise::default();
+    for (seed, result) in flown {
+        match result {
+            Ok(more) => exercise = exercise.with(more),
+            Err(law) => {
+                SEEDS.keep(seed, &law);
+                failures.push(format!(
+                    "seed {seed}: {law}\n    replay it with CSAT_SEED={seed} cargo test -p csat-tests --test \
+                     bayes_swarm -- --nocapture"
+                ));
+            }
+        }
+    }
+    println!("{exercise:#?}");
+    assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), seeds.len(), failures.join("\n"));
+    if seeds.len() as u64 >= SEEDS.fixed {
+        let Exercise { corrupted, duplicated, late, crashes, stale, old, .. } = exercise;
+        let Exercise { repeated, relayed, sightings, products, equal, identical, .. } = exercise;
+        let Exercise { converged, tight, stationed, moving, .. } = exercise;
+        let many = [corrupted, duplicated, late, crashes, stale, old, repeated, relayed];
+        let more = [sightings, products, equal, identical];
+        assert!(many.iter().chain(&more).min() > Some(&10), "{exercise:?}");
+        assert!([converged, tight, stationed, moving].iter().min() > Some(&2), "{exercise:?}");
+    }
+}
