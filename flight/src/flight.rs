@@ -7,7 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use csat_mission::judge::{Broken, Fault, Violation};
 use csat_mission::measures::{Measures, in_order};
+use csat_mission::picture::Layer;
 use csat_mission::row::{Role, Row};
+use csat_mission::style::Style;
 use csat_netem::config::TraceLevel;
 use csat_netem::counters::Counters;
 use csat_proto::ids::AgentId;
@@ -336,10 +338,14 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
     fn outcome(mut self, steps: u32, interrupted: bool) -> Outcome {
         let sim_s = f64::from(steps) * self.period_s;
         self.view.time_s = sim_s;
-        self.view.layers = M::LAYERS.to_vec();
         let reports = self.engine.show().into_iter();
         let drawn = reports.map(|report| report.map(|report| self.mission.picture(&report)));
         self.view.agents = drawn.map(Option::unwrap_or_default).collect();
+        // A legend does not explain what no agent has.
+        let is_drawn = |style: &&Style| {
+            self.view.agents.iter().any(|layers| Layer::of(layers, style).is_some())
+        };
+        self.view.layers = M::LAYERS.iter().filter(is_drawn).cloned().collect();
         let counters = self.engine.counters();
         let links = self.engine.per_link();
         let sums =

@@ -65,7 +65,7 @@ pub const COLUMNS: &[Column] = &[
             "Tisdale et al. figure 5",
         )
         .count(),
-    Column::of_fleet("detections", "detections so far", "frames")
+    Column::of_fleet("detections", "target detected in", "frames")
         .defined("sum of the true detections up to this step", "")
         .count()
         .last_as("detections"),

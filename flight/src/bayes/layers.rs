@@ -192,7 +192,7 @@ fn ellipse(estimate: &Gaussian) -> Area {
     Area {
         shapes: vec![vec![ring]],
         properties: properties(json!({
-            "kind": "estimate", "mean": [x, y], "sigma_m": micro(estimate.sigma_m()),
+            "kind": "estimate", "target": 0, "mean": [x, y], "sigma_m": micro(estimate.sigma_m()),
         })),
     }
 }

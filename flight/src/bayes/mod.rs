@@ -42,7 +42,7 @@ impl Mission for Bayes {
     const KIND: Kind = Kind {
         name: "bayes",
         columns: columns::COLUMNS,
-        headline: &["detections", "localization_error_m", "sigma_m"],
+        headline: &["detections"],
         milestones: columns::MILESTONES,
         panels: columns::PANELS,
         promises: judge::PROMISES,
