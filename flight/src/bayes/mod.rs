@@ -31,6 +31,11 @@ impl Bayes {
     pub fn with_config(config: AgentConfig) -> Self {
         Self { config }
     }
+
+    /// What the first agent is told.
+    pub fn config(&self) -> &AgentConfig {
+        &self.config
+    }
 }
 
 impl Mission for Bayes {
