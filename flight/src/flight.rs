@@ -275,6 +275,15 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
         let uavs = usize::from(self.engine.world().config().fleet.count);
         let of_uavs = trace.flown.iter().filter(|flown| usize::from(flown.agent.0) < uavs);
         let reports: Vec<&M::Report> = of_uavs.filter_map(|flown| flown.report.as_ref()).collect();
+        let truths = self.truths(&trace.flown);
+        for flown in trace.flown.iter().filter(|flown| usize::from(flown.agent.0) < uavs) {
+            let Some(report) = &flown.report else { continue };
+            let pose =
+                self.engine.poses_at(report.step()).map(|all| all[usize::from(flown.agent.0)]);
+            if let (Some(pose), Some(targets)) = (pose, truths.get(&report.step())) {
+                self.measures.observe(report, &pose, targets);
+            }
+        }
         let fleet = self.measures.fleet(&reports, &targets);
         let poses = self.engine.world().poses();
         let broken = |id: AgentId| {
@@ -284,7 +293,6 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
                 .count()
         };
         let (mission, measures, step) = (&self.mission, &self.measures, trace.step.0);
-        let truths = self.truths(&trace.flown);
         let row = |flown: &Flown<M>| {
             let report = flown.report.as_ref()?;
             let targets = truths.get(&report.step())?;

@@ -77,7 +77,7 @@ impl Mission for Bayes {
     }
 
     fn measures(&self) -> BayesMeasures {
-        BayesMeasures::new(Sensor::new(&self.config))
+        BayesMeasures::new(self.config.camera)
     }
 
     fn footprint(&self, report: &Report) -> Vec<[f64; 2]> {

@@ -26,6 +26,8 @@ const SEARCH_S: [f64; 2] = [70.0, 105.0];
 const AFTER_S: f64 = 4.0;
 /// The longest time after the first detection that figure 7 shows, seconds.
 const SPAN_S: f64 = 60.0;
+/// On maps of the whole region, all that is denser than so many times a uniform density is as dark.
+const MOST_UNIFORM: f64 = 4.0;
 /// Corners of an ellipse.
 const CORNERS: u32 = 64;
 
@@ -205,7 +207,9 @@ fn window(belief: &Belief, origin_m: [f64; 2], side_m: f64) -> Heat {
 }
 
 fn heat(SearchMap { grid, mass }: &SearchMap) -> Heat {
-    let maximum = mass.iter().copied().fold(0.0, f64::max);
+    // What is not searched yet shows beside what was found.
+    let uniform = 1.0 / mass.len() as f64;
+    let maximum = mass.iter().copied().fold(0.0, f64::max).min(MOST_UNIFORM * uniform);
     let (cell_m, origin_m) = (grid.cell_m, grid.origin());
     Heat { cell_m, origin_m, columns: grid.columns, maximum, values: mass.clone() }
 }

@@ -48,6 +48,9 @@ impl Flight {
             let trace = engine.step();
             let reports: Vec<&Report> =
                 trace.flown.iter().take(uavs).filter_map(|flown| flown.report.as_ref()).collect();
+            for (report, pose) in reports.iter().zip(engine.world().poses()) {
+                measures.observe(report, &pose, &[target]);
+            }
             factors.extend(reports.iter().filter_map(|report| report.own));
             let values = measures.fleet(&reports, &[target]);
             let value = values.iter().find(|(key, _)| *key == "detections");

@@ -9,9 +9,9 @@ use crate::report::shapes::escaped;
 /// How many shades there are.
 const BANDS: u16 = 12;
 /// Side of a picture, pixels.
-const SIDE_PX: f64 = 300.0;
+const SIDE_PX: f64 = 520.0;
 /// Room around it, pixels.
-const ROOM_PX: f64 = 34.0;
+const ROOM_PX: f64 = 44.0;
 
 /// A picture of a square of ground.
 pub struct Map {
