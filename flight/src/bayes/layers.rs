@@ -65,7 +65,7 @@ pub const LAYERS: &[Style] = &[
         fill: Fill::Plain { opacity: 0.75 },
         line_px: 0.0,
         unit: "%",
-        is_in_scene: false,
+        is_in_scene: true,
     }),
     style(Kind {
         key: "particles",
