@@ -228,7 +228,8 @@ pub struct CompareArguments {
 pub struct ReproduceArguments {
     /// Which results
     pub what: Published,
-    /// The seeds of the missions, or in chapter4 of the depth noise [default: 1..10, chapter4: 1..100]
+    /// The seeds of the missions, or in chapter4 of the depth noise [default: 1..10, chapter4: 1..100,
+    /// tisdale: 1..20]
     #[arg(long, value_name = "SEEDS")]
     pub seeds: Option<String>,
     /// Shorter missions, seconds; their means are over the second half all the same
@@ -260,6 +261,9 @@ pub enum Published {
     Table1,
     /// Thesis §4.7 and A.1.4: one look of one UAV at five cars (2 minutes of one core)
     Chapter4,
+    /// Tisdale et al. 2008: table II, figures 2 to 7; twenty flights, each filtered by four representations (6 minutes
+    /// of one core)
+    Tisdale,
 }
 
 const REPRODUCE_HELP: &str = "\

@@ -9,8 +9,9 @@ use std::path::Path;
 use common::docs::root;
 use common::{csat, json, read, scratch, small_run, text};
 use csat_agent::agent::Event;
+use csat_experiments::bayes::Bayes;
 use csat_experiments::flight::ViolationLine;
-use csat_experiments::outputs::{File, files};
+use csat_experiments::outputs::{File, files, own_files};
 use csat_experiments::set_membership::SetMembership;
 use csat_experiments::set_membership::judge::GUARANTEE;
 use csat_mission::judge;
@@ -171,8 +172,8 @@ fn the_document_has_the_descriptions() {
         write_tables(&path);
     }
     let document = read(&path);
-    for file in files(&SetMembership::KIND) {
-        let heading = format!("\n## `{}`\n", file.name);
+    for (name, file) in sections() {
+        let heading = format!("\n## {name}\n");
         let (_, rest) = document.split_once(&heading).unwrap_or_else(|| panic!("no {heading}"));
         let section = rest.split("\n## ").next().unwrap_or_default();
         let table: Vec<&str> = section.lines().filter(|line| line.starts_with('|')).collect();
@@ -213,11 +214,21 @@ fn links_account_for_their_bytes() {
     }
 }
 
+/// The document's sections: the files of the set-membership mission, then what others have of their own.
+fn sections() -> Vec<(String, File)> {
+    let usual = &SetMembership::KIND;
+    let of_usual = files(usual).into_iter().map(|file| (format!("`{}`", file.name), file));
+    let kind = &Bayes::KIND;
+    let own = own_files(kind, usual).into_iter();
+    let own = own.map(|file| (format!("`{}` of `{}`", file.name, kind.name), file));
+    of_usual.chain(own).collect()
+}
+
 /// Puts the tables into the document: after a change of columns, `CSAT_WRITE_DOCS=1 cargo test --test outputs`.
 fn write_tables(path: &Path) {
     let mut document = read(path);
-    for file in files(&SetMembership::KIND) {
-        let heading = format!("\n## `{}`\n", file.name);
+    for (name, file) in sections() {
+        let heading = format!("\n## {name}\n");
         let section = document.find(&heading).unwrap_or_else(|| panic!("no {heading}"));
         let from = section + document[section..].find("\n|").expect("a table") + 1;
         let to = document[from..].find("\n\n").map_or(document.len(), |end| from + end + 1);

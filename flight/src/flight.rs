@@ -7,7 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use csat_mission::judge::{Broken, Fault, Violation};
 use csat_mission::measures::{Measures, in_order};
+use csat_mission::picture::Layer;
 use csat_mission::row::{Role, Row};
+use csat_mission::style::Style;
 use csat_netem::config::TraceLevel;
 use csat_netem::counters::Counters;
 use csat_proto::ids::AgentId;
@@ -273,6 +275,15 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
         let uavs = usize::from(self.engine.world().config().fleet.count);
         let of_uavs = trace.flown.iter().filter(|flown| usize::from(flown.agent.0) < uavs);
         let reports: Vec<&M::Report> = of_uavs.filter_map(|flown| flown.report.as_ref()).collect();
+        let truths = self.truths(&trace.flown);
+        for flown in trace.flown.iter().filter(|flown| usize::from(flown.agent.0) < uavs) {
+            let Some(report) = &flown.report else { continue };
+            let pose =
+                self.engine.poses_at(report.step()).map(|all| all[usize::from(flown.agent.0)]);
+            if let (Some(pose), Some(targets)) = (pose, truths.get(&report.step())) {
+                self.measures.observe(report, &pose, targets);
+            }
+        }
         let fleet = self.measures.fleet(&reports, &targets);
         let poses = self.engine.world().poses();
         let broken = |id: AgentId| {
@@ -282,7 +293,6 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
                 .count()
         };
         let (mission, measures, step) = (&self.mission, &self.measures, trace.step.0);
-        let truths = self.truths(&trace.flown);
         let row = |flown: &Flown<M>| {
             let report = flown.report.as_ref()?;
             let targets = truths.get(&report.step())?;
@@ -336,10 +346,14 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
     fn outcome(mut self, steps: u32, interrupted: bool) -> Outcome {
         let sim_s = f64::from(steps) * self.period_s;
         self.view.time_s = sim_s;
-        self.view.layers = M::LAYERS.to_vec();
         let reports = self.engine.show().into_iter();
         let drawn = reports.map(|report| report.map(|report| self.mission.picture(&report)));
         self.view.agents = drawn.map(Option::unwrap_or_default).collect();
+        // A legend does not explain what no agent has.
+        let is_drawn = |style: &&Style| {
+            self.view.agents.iter().any(|layers| Layer::of(layers, style).is_some())
+        };
+        self.view.layers = M::LAYERS.iter().filter(is_drawn).cloned().collect();
         let counters = self.engine.counters();
         let links = self.engine.per_link();
         let sums =

@@ -305,6 +305,16 @@ pub fn files(kind: &Kind) -> Vec<File> {
     vec![metrics, file("links.csv", LINKS), file("events.jsonl", EVENTS), summary]
 }
 
+/// What a kind of mission has in its files that `usual` has not, or has otherwise.
+pub fn own_files(kind: &Kind, usual: &Kind) -> Vec<File> {
+    let own = |(mut file, usual): (File, File)| {
+        file.fields.retain(|field| !usual.fields.contains(field));
+        file
+    };
+    let pairs = files(kind).into_iter().zip(files(usual)).map(own);
+    pairs.filter(|file| !file.fields.is_empty()).collect()
+}
+
 fn of_metrics(kind: &Kind) -> Vec<Field> {
     let of = |of: Of| kind.columns.iter().filter(move |c| c.of == of).map(of_column);
     let common = |rows: &'static [Row]| rows.iter().map(field);

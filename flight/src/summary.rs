@@ -188,17 +188,24 @@ impl Summary {
         told.collect()
     }
 
-    /// A line of the means that sweeps show.
+    /// A line of the values at the end and one of the means over the second half that sweeps show.
     fn means(&self, kind: &Kind) -> String {
-        let mean = |column: &Column| {
+        let [means, ends] = [true, false].map(|is_mean| self.shown(kind, is_mean));
+        let line = |(when, shown): (&str, String)| match shown.is_empty() {
+            true => String::new(),
+            false => format!("{when}: {shown}\n"),
+        };
+        [("at the end", ends), ("second half", means)].map(line).concat()
+    }
+
+    /// The means over the second half, or else the values at the end, that sweeps show.
+    fn shown(&self, kind: &Kind, is_mean: bool) -> String {
+        let value = |column: &Column| {
             let value = self.numbers.get(column.key);
             format!("{} {}", column.name, in_words(column, value, self.targets))
         };
-        let means: Vec<String> = kind.plotted().map(mean).collect();
-        if means.is_empty() {
-            return String::new();
-        }
-        format!("second half: {}\n", means.join(", "))
+        let shown = kind.plotted().filter(|column| column.in_summary == is_mean).map(value);
+        shown.collect::<Vec<String>>().join(", ")
     }
 
     /// How many of the checks failed, and how many reports could not be checked.

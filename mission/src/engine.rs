@@ -8,6 +8,7 @@ use csat_netem::counters::{Counters, LinkCounters};
 use csat_netem::link::{Arrival, LinkId};
 use csat_netem::propagation::Obstruction;
 use csat_proto::agent::Agent;
+use csat_proto::camera::Pose;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::{SimTime, Step};
 use csat_world::radio::Buildings;
@@ -111,13 +112,20 @@ pub struct Engine<M: Mission, F = LocalFleet<M>> {
     judged: CheckCounts,
     /// Reports that came after the truth of their step was forgotten.
     unchecked: u64,
-    /// Where targets were.
-    truths: VecDeque<(Step, Vec<TargetTruth>)>,
+    /// Where targets and agents were.
+    truths: VecDeque<Truth>,
     seed: u64,
     period_s: f64,
     digest: Xxh3Default,
     bytes_sent: u64,
     started: bool,
+}
+
+/// What was true at a step.
+struct Truth {
+    step: Step,
+    targets: Vec<TargetTruth>,
+    poses: Vec<Pose>,
 }
 
 /// For how many steps the truth is kept, for reports that come late.
@@ -196,7 +204,12 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
     /// Where targets were at a step of late: in real time a report may be of an earlier step than the
     /// world's. `None` if that was too long ago.
     pub fn truth_at(&self, step: Step) -> Option<&[TargetTruth]> {
-        truth_at(&self.truths, step)
+        truth_at(&self.truths, step).map(|truth| truth.targets.as_slice())
+    }
+
+    /// Where agents were at such a step, by index.
+    pub fn poses_at(&self, step: Step) -> Option<&[Pose]> {
+        truth_at(&self.truths, step).map(|truth| truth.poses.as_slice())
     }
 
     /// The agents, wherever they are.
@@ -345,7 +358,8 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         // Ground stations stand beside buildings, or on them.
         let uavs = usize::from(self.world.config().fleet.count);
         found.extend(self.monitor.check_flights(step, &self.world.poses()[..uavs]));
-        self.truths.push_back((step, targets.to_vec()));
+        let poses = self.world.poses();
+        self.truths.push_back(Truth { step, targets: targets.to_vec(), poses });
         if self.truths.len() > MAX_TRUTHS {
             self.truths.pop_front();
         }
@@ -370,12 +384,12 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
     /// Holds a report against the truth at its step.
     fn judge_report(&mut self, now: Step, agent: AgentId, report: &M::Report) -> Vec<Violation> {
         let step = report.step();
-        let Some(targets) = truth_at(&self.truths, step) else {
+        let Some(truth) = truth_at(&self.truths, step) else {
             tracing::warn!(%agent, %step, %now, "a report too late to check");
             self.unchecked += 1;
             return Vec::new();
         };
-        let Judged { checks, faults } = self.judge.judge(agent, report, targets);
+        let Judged { checks, faults } = self.judge.judge(agent, report, &truth.targets);
         for (promise, checks) in checks {
             self.judged.add(promise, Checked { checks, violations: 0 });
         }
@@ -387,6 +401,6 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
     }
 }
 
-fn truth_at(truths: &VecDeque<(Step, Vec<TargetTruth>)>, step: Step) -> Option<&[TargetTruth]> {
-    truths.iter().find(|(of, _)| *of == step).map(|(_, targets)| targets.as_slice())
+fn truth_at(truths: &VecDeque<Truth>, step: Step) -> Option<&Truth> {
+    truths.iter().find(|truth| truth.step == step)
 }

@@ -3,6 +3,8 @@
 //! `metrics.csv`, the summary, schemas, live curves, plots, sweeps and reports read the list of a mission's
 //! [`Column`]s. A value that is not defined is absent, never 0.
 
+use csat_proto::camera::Pose;
+
 /// What a value is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Of {
@@ -240,6 +242,10 @@ pub type Values = Vec<(&'static str, Option<f64>)>;
 
 /// Measures a mission step by step, from what agents report and the truth.
 pub trait Measures<R>: Send + Sync {
+    /// Notes a UAV's report beside the truth at the step of the report: the UAV's pose and the locations of the
+    /// targets by index, `world`, metres. It is called once per UAV and step, before [`Self::fleet`].
+    fn observe(&mut self, _report: &R, _pose: &Pose, _targets: &[[f64; 2]]) {}
+
     /// Begins a step and gives its values of the fleet: `uavs` are the reports of its UAVs, `targets` the true
     /// locations by index, `world`, metres.
     fn fleet(&mut self, uavs: &[&R], targets: &[[f64; 2]]) -> Values;

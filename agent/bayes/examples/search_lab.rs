@@ -114,12 +114,12 @@ fn start(name: &str, count: u16) -> Vec<StartPose> {
             .map(|i| at(-500.0, (index(i) + 0.5 - f64::from(count) / 2.0) * 80.0, 0.0))
             .collect(),
         // At the southern border, each in the corner of its strip.
-        "south" => (0..count).map(|i| at(-470.0 + index(i) * strip, -500.0, 90.0)).collect(),
+        "south" => (0..count).map(|i| at(-472.0 + index(i) * strip, -500.0, 90.0)).collect(),
         // At the corners of strips, every second one in the north.
         "opposite" => (0..count)
             .map(|i| match i % 2 {
-                0 => at(-460.0 + index(i) * strip, -500.0, 90.0),
-                _ => at(460.0 - index(count - 1 - i) * strip, 500.0, -90.0),
+                0 => at(-472.0 + index(i) * strip, -500.0, 90.0),
+                _ => at(472.0 - index(count - 1 - i) * strip, 500.0, -90.0),
             })
             .collect(),
         other => panic!("start {other}: west, south or opposite"),
@@ -210,7 +210,8 @@ impl Lab {
             .map(|p| mean.iter().position(|x| *x >= p).map_or(f64::INFINITY, |k| k as f64));
         let criterion = self.config.guidance.criterion;
         println!(
-            "{criterion:?}: 25, 50, 75, 90, 95 % at {times:?} s; {:.3} at the end",
+            "{criterion:?}: 25, 50, 75, 90, 95 % at {times:?} s; mean {:.1} s; {:.3} at the end",
+            mean.iter().map(|covered| 1.0 - covered).sum::<f64>(),
             mean[seconds - 1]
         );
         if let Some(path) = &self.curve {

@@ -220,9 +220,9 @@ impl Default for GuidanceConfig {
             horizon_s: 20.0,
             beam: 12,
             attraction_m: 150.0,
-            attraction: 0.3,
+            attraction: 1.0,
             discount_s: 40.0,
-            edge_worth: 0.5,
+            edge_worth: 2.0,
         }
     }
 }

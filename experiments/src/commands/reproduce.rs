@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use crate::cli::{Published, ReproduceArguments};
+use crate::progress;
 use crate::reproduce::chapter4::Chapter4;
 use crate::reproduce::plan::{self, Plan};
 use crate::reproduce::setting::Deviations;
 use crate::reproduce::table::Table;
+use crate::reproduce::tisdale::{self, Tisdale};
 use crate::reproduce::{chapter5, flown, page, table1};
 use crate::run_folder::{Destination, FolderError, PartialFile, RunFolder};
 use crate::scenario::{self, Loaded, Mistake};
@@ -28,6 +30,9 @@ const TABLES: &str = "tables.txt";
 /// The same for programs, and for `csat compare`.
 const TABLES_JSON: &str = "tables.json";
 
+/// How many flights are filtered for Tisdale et al.; what is published is of one.
+const FLIGHTS: usize = 20;
+
 /// How many looks chapter 4 takes of each setting; what is published is of as many or of one.
 const LOOKS: usize = 100;
 
@@ -37,6 +42,7 @@ pub fn reproduce(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
         Published::Chapter5 => fly(arguments, &plan::CHAPTER5),
         Published::Table1 => fly(arguments, &plan::TABLE1),
         Published::Chapter4 => look(arguments),
+        Published::Tisdale => search(arguments),
     })
 }
 
@@ -148,7 +154,7 @@ fn look(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
     }
     let seeds = seeds(arguments, &format!("1..{LOOKS}"))?;
     let sets = sets(arguments);
-    let deviations = Deviations::of((seeds.len(), LOOKS, "looks"), &[], &sets);
+    let deviations = Deviations::of(None, (seeds.len(), LOOKS, "looks"), &[], &sets);
     let deviations = deviations.map_err(SweepError::Mistakes)?;
     let request = scenario::Request { scenario: None, sets: &sets, seed: None };
     let Loaded { scenario, warnings, .. } =
@@ -174,7 +180,43 @@ fn look(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
     Ok(DONE)
 }
 
-/// Where the files of chapter 4 go.
+/// Tisdale et al.: flights that are no sweep, as the frames of each are filtered many times.
+fn search(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
+    let seeds = seeds(arguments, &format!("1..{FLIGHTS}"))?;
+    let sets = sets(arguments);
+    let plan = tisdale::SETS.map(str::to_owned);
+    let flights = (seeds.len(), FLIGHTS, "flights");
+    let deviations = Deviations::of(Some("tisdale"), flights, &plan, &sets);
+    let deviations = deviations.map_err(SweepError::Mistakes)?;
+    let scenarios: Result<Vec<Loaded>, _> =
+        seeds.iter().map(|seed| tisdale::scenario(&sets, *seed)).collect();
+    let scenarios = scenarios.map_err(SweepError::Mistakes)?;
+    let warnings = scenarios.first().map(|loaded| &loaded.warnings[..]).unwrap_or_default();
+    let warnings: Vec<String> = warnings.iter().map(|w| w.render("warning")).collect();
+    warn(&warnings, "from `csat check tisdale` with the same values");
+    let place = Place::take(root(arguments, "tisdale")?, arguments.resume)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(arguments.jobs)).build();
+    let pool = pool.context("cannot start the threads")?;
+    let style = progress::style("{wide_bar} {pos}/{len} flights");
+    let bar = progress::bar(scenarios.len() as u64, style, arguments.json);
+    let seen = pool.install(|| Tisdale::fly(scenarios, || bar.inc(1)));
+    bar.finish_and_clear();
+    let mut again = "csat reproduce tisdale".to_owned();
+    again += &arguments.seeds.iter().map(|seeds| format!(" --seeds {seeds}")).collect::<String>();
+    again += &sets.iter().map(|set| format!(" --set {}", quoted(set))).collect::<String>();
+    let mut tables = seen.tables();
+    tables.iter_mut().for_each(|table| table.not_published = deviations.banner());
+    let files = [
+        (TABLES, text(&tables)),
+        (TABLES_JSON, json(&tables)?),
+        (REPORT, seen.html(&tables, &again)),
+    ];
+    let root = place.fill(&files)?;
+    tell(arguments, &tables, &format!("{} flights", seen.count()), &root)?;
+    Ok(DONE)
+}
+
+/// Where the files of chapter 4 and of Tisdale et al. go.
 enum Place {
     /// A folder that is new or empty.
     New(RunFolder),

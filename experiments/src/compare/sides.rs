@@ -16,6 +16,7 @@ use crate::sweep::pairs::Paired;
 use crate::sweep::plan::Point;
 use crate::sweep::record::RunRecord;
 use crate::sweep::results::{Counts, Results, Values, values};
+use crate::values::number;
 
 type Tables = [(String, BTreeMap<String, f64>)];
 
@@ -187,7 +188,7 @@ fn numbers(a: &BTreeMap<u64, Values>, b: &BTreeMap<u64, Values>) -> Vec<Number> 
     let metrics = metrics_of(missions::all().iter().map(|mission| mission.kind()));
     let first = metrics.iter().filter_map(|metric| keys.take(metric.key)).collect::<Vec<_>>();
     let by_seed = |runs: &BTreeMap<u64, Values>, key: &str| {
-        let values = runs.iter().filter_map(|(seed, v)| Some((*seed, v.get(key)?.as_f64()?)));
+        let values = runs.iter().filter_map(|(seed, v)| Some((*seed, number(v.get(key)?)?)));
         values.collect::<BTreeMap<u64, f64>>()
     };
     let number = |key: String| Number::new(&key, &by_seed(a, &key), &by_seed(b, &key));

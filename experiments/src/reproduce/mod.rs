@@ -1,7 +1,8 @@
 //! `csat reproduce`: the published tables and figures, ours beside theirs.
 //!
 //! Thesis chapter 5 and the paper's table I are [sweeps](crate::sweep) with a fixed plan and a report
-//! of their own. Thesis chapter 4 is no mission: one camera, one frame, many depth noises.
+//! of their own. Thesis chapter 4 is no mission: one camera, one frame, many depth noises. Tisdale et al. is
+//! one flight for many filters.
 //!
 //! | module | what it does |
 //! |---|---|
@@ -10,7 +11,7 @@
 //! | [`quantity`] | what is compared |
 //! | [`setting`] | whether it is what was published |
 //! | [`table`] | ours beside theirs |
-//! | [`chapter5`], [`table1`], [`chapter4`] | the tables and figures of each |
+//! | [`chapter5`], [`table1`], [`chapter4`], [`tisdale`] | the tables and figures of each |
 //! | [`page`] | `report.html` |
 
 pub mod chapter4;
@@ -22,3 +23,4 @@ pub mod quantity;
 pub mod setting;
 pub mod table;
 pub mod table1;
+pub mod tisdale;

@@ -62,7 +62,7 @@ impl Plan {
     /// Mistakes in the sets.
     pub fn deviations(&self, missions: usize, sets: &[String]) -> Result<Deviations, Mistakes> {
         let plan: Vec<String> = self.sets.iter().map(|&set| set.to_owned()).collect();
-        Deviations::of((missions, MISSIONS, "missions"), &plan, sets)
+        Deviations::of(None, (missions, MISSIONS, "missions"), &plan, sets)
     }
 
     /// The command that makes it again.

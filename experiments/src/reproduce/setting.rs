@@ -7,19 +7,20 @@ use crate::scenario::{Mistakes, Request, load};
 pub struct Deviations(Vec<String>);
 
 impl Deviations {
-    /// Of a reproduction with `count` missions (or looks, as `thing` says) of `published`, and with the
+    /// Of a reproduction of `scenario` (the default one if `None`) with `count` missions (or looks, as `thing` says) of `published`, and with the
     /// user's `sets` after those of the plan. A `--set` of what is so anyway is no deviation, and more
     /// seeds are none.
     ///
     /// # Errors
     /// Mistakes in the sets.
     pub fn of(
+        name: Option<&str>,
         (count, published, thing): (usize, usize, &str),
         plan: &[String],
         sets: &[String],
     ) -> Result<Self, Mistakes> {
         let scenario = |sets: &[String]| {
-            let request = Request { scenario: None, sets, seed: None };
+            let request = Request { scenario: name, sets, seed: None };
             load(request).map(|loaded| loaded.scenario)
         };
         let mut found = Vec::new();
@@ -57,7 +58,7 @@ mod tests {
     fn banner(count: usize, sets: &[&str]) -> Option<String> {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
         let plan = ["targets.obstacle_distance_m=3".to_owned()];
-        Deviations::of((count, 10, "missions"), &plan, &sets).unwrap().banner()
+        Deviations::of(None, (count, 10, "missions"), &plan, &sets).unwrap().banner()
     }
 
     #[test]

@@ -13,7 +13,7 @@ use super::plan::Run;
 use crate::provenance::Build;
 use crate::scenario::missions;
 use crate::summary::{self, Summary};
-use crate::values::in_words;
+use crate::values::{in_words, number};
 
 /// What became of one run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -85,7 +85,7 @@ impl RunRecord {
     /// A number of the summary by its dotted key.
     pub fn number(&self, key: &str) -> Option<f64> {
         let summary = self.summary.as_ref()?;
-        key.split('.').try_fold(summary, |value, key| value.get(key))?.as_f64()
+        number(key.split('.').try_fold(summary, |value, key| value.get(key))?)
     }
 
     /// Hash of the whole run.

@@ -119,7 +119,7 @@ fn paired_cells(Paired { stats: s, lower, higher, .. }: &Paired) -> Vec<String> 
 /// A number of a flown run.
 fn number(values: &Values, column: &str) -> Option<f64> {
     match values.get(column) {
-        Some(value) => value.as_f64(),
+        Some(value) => crate::values::number(value),
         None => column.starts_with(COUNTS).then_some(0.0),
     }
 }

@@ -2,6 +2,7 @@
 
 use zenoh::key_expr::KeyExpr;
 
+use crate::bayes::Bayes;
 use crate::set_membership::SetMembership;
 use csat_mission::documents::names;
 use csat_peer::wire::session::first_line;
@@ -79,7 +80,8 @@ const ONCE: When = When::Rarely("at the start, and to those who ask (a Zenoh `ge
 
 /// Everything that a run has, below `csat/*/`.
 fn topics() -> impl Iterator<Item = (String, When)> {
-    let of_agents = names::<SetMembership>().map(|name| (format!("view/*/{name}"), When::Flying));
+    let names = names::<SetMembership>().chain(names::<Bayes>());
+    let of_agents = names.map(|name| (format!("view/*/{name}"), When::Flying));
     TOPICS.iter().map(|(topic, when)| ((*topic).to_owned(), *when)).chain(of_agents)
 }
 

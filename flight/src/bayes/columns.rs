@@ -60,12 +60,11 @@ pub const COLUMNS: &[Column] = &[
         .count(),
     Column::of_fleet("true_detections", "detections", "frames")
         .defined(
-            "frames of this step that detected the target: a sighting within five standard deviations of where \
-             the target's image is expected from the reported pose",
+            "frames of this step whose sighting is the target, and no false alarm",
             "Tisdale et al. figure 5",
         )
         .count(),
-    Column::of_fleet("detections", "detections so far", "frames")
+    Column::of_fleet("detections", "target detected in", "frames")
         .defined("sum of the true detections up to this step", "")
         .count()
         .last_as("detections"),

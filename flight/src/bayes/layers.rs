@@ -65,7 +65,7 @@ pub const LAYERS: &[Style] = &[
         fill: Fill::Plain { opacity: 0.75 },
         line_px: 0.0,
         unit: "%",
-        is_in_scene: false,
+        is_in_scene: true,
     }),
     style(Kind {
         key: "particles",
@@ -192,7 +192,7 @@ fn ellipse(estimate: &Gaussian) -> Area {
     Area {
         shapes: vec![vec![ring]],
         properties: properties(json!({
-            "kind": "estimate", "mean": [x, y], "sigma_m": micro(estimate.sigma_m()),
+            "kind": "estimate", "target": 0, "mean": [x, y], "sigma_m": micro(estimate.sigma_m()),
         })),
     }
 }

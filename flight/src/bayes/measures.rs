@@ -2,50 +2,56 @@
 
 use std::collections::BTreeMap;
 
-use csat_bayes::likelihood::{Optics, Sensor};
 use csat_mission::measures::{Measures, Values};
+use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::ids::{AgentId, Incarnation};
+use nalgebra::Vector3;
 
 use super::report::Report;
 
-/// A sighting farther from where the target's image is expected is not the target, standard deviations.
-const GATE_SIGMAS: f64 = 5.0;
+/// How far from the image of the target a sighting of it may be, pixels: agents round it.
+const ROUNDING_PX: f64 = 0.01;
 
 /// Measures a run.
 pub struct BayesMeasures {
-    sensor: Sensor,
+    camera: CameraModel,
     /// How many factors each life stated.
     stated: BTreeMap<(AgentId, Incarnation), u64>,
+    /// Frames of this step that detected the target.
+    now: u64,
     detections: u64,
 }
 
 impl BayesMeasures {
     /// Before the first step.
-    pub fn new(sensor: Sensor) -> Self {
-        Self { sensor, stated: BTreeMap::new(), detections: 0 }
+    pub fn new(camera: CameraModel) -> Self {
+        Self { camera, stated: BTreeMap::new(), now: 0, detections: 0 }
     }
 
-    /// Whether the last frame of an aircraft detected a target at `location`.
-    fn is_detection(&self, report: &Report, location: [f64; 2]) -> bool {
+    /// Whether the last frame of an aircraft at `pose`, in truth, detected the target at `location`.
+    fn is_detection(&self, report: &Report, pose: &Pose, location: [f64; 2]) -> bool {
         let Some(factor) = report.own.filter(|factor| factor.step == report.step) else {
             return false;
         };
         let Some(z) = factor.sighting.map(|z| z.map(f64::from)) else { return false };
-        let optics = Optics::new(&self.sensor, &factor.pose.into());
-        let Some(image) = optics.see(location) else { return false };
-        image.distance_squared(z) <= GATE_SIGMAS * GATE_SIGMAS
+        let target = Vector3::new(location[0], location[1], 0.0);
+        let image = self.camera.at(pose).project(&target);
+        image.is_some_and(|image| (image[0] - z[0]).hypot(image[1] - z[1]) < ROUNDING_PX)
     }
 }
 
 impl Measures<Report> for BayesMeasures {
-    fn fleet(&mut self, uavs: &[&Report], targets: &[[f64; 2]]) -> Values {
+    fn observe(&mut self, report: &Report, pose: &Pose, targets: &[[f64; 2]]) {
+        let is_true = targets.iter().any(|location| self.is_detection(report, pose, *location));
+        self.now += u64::from(is_true);
+    }
+
+    fn fleet(&mut self, uavs: &[&Report], _: &[[f64; 2]]) -> Values {
         for factor in uavs.iter().filter_map(|report| report.own) {
             let stated = self.stated.entry((factor.id.source, factor.id.incarnation)).or_default();
             *stated = (*stated).max(u64::from(factor.id.number) + 1);
         }
-        let is_detection =
-            |report: &&&Report| targets.iter().any(|location| self.is_detection(report, *location));
-        let now = uavs.iter().filter(is_detection).count() as u64;
+        let now = std::mem::take(&mut self.now);
         self.detections += now;
         vec![("true_detections", Some(now as f64)), ("detections", Some(self.detections as f64))]
     }

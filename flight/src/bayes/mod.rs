@@ -31,6 +31,11 @@ impl Bayes {
     pub fn with_config(config: AgentConfig) -> Self {
         Self { config }
     }
+
+    /// What the first agent is told.
+    pub fn config(&self) -> &AgentConfig {
+        &self.config
+    }
 }
 
 impl Mission for Bayes {
@@ -42,7 +47,7 @@ impl Mission for Bayes {
     const KIND: Kind = Kind {
         name: "bayes",
         columns: columns::COLUMNS,
-        headline: &["detections", "localization_error_m", "sigma_m"],
+        headline: &["detections"],
         milestones: columns::MILESTONES,
         panels: columns::PANELS,
         promises: judge::PROMISES,
@@ -72,7 +77,7 @@ impl Mission for Bayes {
     }
 
     fn measures(&self) -> BayesMeasures {
-        BayesMeasures::new(Sensor::new(&self.config))
+        BayesMeasures::new(self.config.camera)
     }
 
     fn footprint(&self, report: &Report) -> Vec<[f64; 2]> {

@@ -86,7 +86,9 @@ impl AdaptiveBelief {
         let cell = |place| Cell { ln: 0.0, place, children: 0, split_in: 0 };
         let cells: Vec<Cell> = places.map(cell).collect();
         let leaves = (0..cells.len() as u32).collect();
-        Self { base, deepest, cells, leaves, prior: None, evidence: Vec::new(), generation: 0 }
+        // No cell was split in the first tree.
+        let generation = 1;
+        Self { base, deepest, cells, leaves, prior: None, evidence: Vec::new(), generation }
     }
 
     /// Multiplies the belief by likelihoods, (1a).

@@ -80,6 +80,15 @@ fn splitting_cells_know_what_a_fine_grid_knows() {
     assert!(cells.highest_density(0.95).contains([103.0, 57.0]));
 }
 
+/// A belief of no factors is uniform, and can be asked.
+#[test]
+fn without_news_a_belief_is_uniform() {
+    let cells = adaptive();
+    let places = [[-499.0, 499.0], [3.0, -7.0]];
+    assert!(places.iter().all(|p| cells.at(*p).is_some_and(|(_, ln)| ln == 0.0)));
+    assert!((cells.highest_density(0.95).area_m2() / 950_000.0 - 1.0).abs() < 1e-3);
+}
+
 /// Regions hold the share they are said to hold, ties included.
 #[test]
 fn regions_hold_their_share() {

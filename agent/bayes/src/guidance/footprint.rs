@@ -207,3 +207,38 @@ impl Frame {
         (determinant > 0.0).then(|| [product(hx, hx), product(hx, hy), product(hy, hy)])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::config;
+    use super::*;
+    use crate::config::Criterion;
+
+    /// Against the likelihoods of four frames.
+    #[test]
+    fn the_table_says_what_the_frames_of_a_second_see() {
+        let config = config(Criterion::Information);
+        let (sensor, airframe) = (Sensor::new(&config), Airframe::new(&config));
+        let footprints = Footprints::new(&sensor, &airframe, 90.0);
+        let (yaw_rad, roll_rad) = (0.6f64, 0.3f64);
+        let pitch_rad = -4.0f64.to_radians() / roll_rad.cos();
+        let pose = |k: f64| Pose {
+            p_world: [30.0 - 5.0 * k * yaw_rad.cos(), 10.0 - 5.0 * k * yaw_rad.sin(), 90.0],
+            yaw_rad,
+            pitch_rad,
+            roll_rad,
+        };
+        let frames = [0.0, 1.0, 2.0, 3.0].map(|k| Likelihood::of_frame(&sensor, &pose(k), None));
+        let (mut sum, mut expected_sum) = (0.0, 0.0);
+        let grid = Grid { cell_m: 12.5, columns: 80, rows: 80 };
+        footprints.cells(&grid, &pose(0.0), |cell, missed| {
+            let x = grid.centre(cell as u32 % 80, cell as u32 / 80);
+            let expected: f64 = frames.iter().map(|f| 1.0 - f.p_detection(x)).product();
+            assert!((f64::from(missed) - expected).abs() < 0.25, "{x:?}: {missed} {expected}");
+            assert_eq!(footprints.at(&pose(0.0), x).map(|seen| seen.missed), Some(missed));
+            sum += 1.0 - f64::from(missed);
+            expected_sum += 1.0 - expected;
+        });
+        assert!((sum / expected_sum - 1.0).abs() < 0.02 && sum > 30.0, "{sum} {expected_sum}");
+    }
+}

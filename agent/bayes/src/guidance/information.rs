@@ -55,7 +55,8 @@ impl Information {
         let mut former = Vec::new();
         if let Some((step, plan)) = &self.decided {
             let elapsed = input.step.0.saturating_sub(step.0);
-            let seconds = (f64::from(elapsed) * self.flight.airframe().period_s).round() as usize;
+            let seconds = f64::from(elapsed) * self.flight.airframe().period_s + 1e-9;
+            let seconds = seconds as usize;
             former.extend(plan.turns.iter().skip(seconds).copied());
             if elapsed < self.period {
                 self.turn(former.first(), &vehicle);

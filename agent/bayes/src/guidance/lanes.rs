@@ -90,21 +90,42 @@ impl Lanes {
 
     /// The way to the first lane and between lanes, metres.
     fn turns_m(&self, from: Place, order: &[[Place; 2]]) -> f64 {
-        let mut at = from;
+        let Some((first, others)) = order.split_first() else { return 0.0 };
+        let mut at = first[1];
         let turn = |lane: &[Place; 2]| {
             let length = Path::shortest(at, lane[0], self.radius_m).length_m();
             at = lane[1];
             length
         };
-        order.iter().map(turn).sum()
+        self.join(from, first).1 + others.iter().map(turn).sum::<f64>()
+    }
+
+    /// Where the way from a place joins a lane, and its length plus what it leaves out of the lane, metres. An
+    /// aircraft that is beside the start of the lane does not fly a full circle to get there.
+    fn join(&self, from: Place, [start, _]: &[Place; 2]) -> (Place, f64) {
+        let (sin, cos) = start.yaw_rad.sin_cos();
+        let at = |step: u32| {
+            let along = f64::from(step) * 4.0 * STEP_M;
+            let p = [start.p[0] + along * cos, start.p[1] + along * sin];
+            let place = Place { p, ..*start };
+            (place, Path::shortest(from, place, self.radius_m).length_m() + along)
+        };
+        let shorter = |best: (Place, f64), next: (Place, f64)| {
+            if next.1 < best.1 { next } else { best }
+        };
+        (1..=8).map(at).fold(at(0), shorter)
     }
 
     fn points(&self, from: Place, order: &[[Place; 2]]) -> Route {
         let (mut points, mut at, mut first_again) = (vec![from.p], from, 0);
-        for (index, &[start, end]) in order.iter().chain(order.first()).enumerate() {
+        for (index, lane) in order.iter().chain(order.first()).enumerate() {
+            let [mut start, end] = *lane;
+            if index == 0 {
+                start = self.join(from, lane).0;
+            }
             points.extend(Path::shortest(at, start, self.radius_m).points(STEP_M));
             if index == 0 {
-                first_again = points.len() - 1;
+                first_again = points.len();
             }
             if index < order.len() {
                 points.extend(Path::shortest(start, end, self.radius_m).points(STEP_M));

@@ -106,4 +106,4 @@ impl Objective for Localisation<'_> {
 }
 
 /// What it is worth, in nats of the standard deviation, that a plan ends one `attraction_m` nearer.
-const PULL: f64 = 0.05;
+const PULL: f64 = 0.03;

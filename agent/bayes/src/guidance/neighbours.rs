@@ -59,3 +59,32 @@ impl Neighbours {
         (age < end + SILENT_S).then(|| (1..=seconds).map(at).collect())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::config;
+    use super::*;
+    use crate::config::Criterion;
+
+    #[test]
+    fn a_silent_neighbour_flies_on_for_a_while() {
+        let config = config(Criterion::Information);
+        let neighbours = Neighbours::new(&config, Airframe::new(&config));
+        let at = |x: f64| Pose::level([x, 0.0, 90.0], 0.0);
+        let plan = |step: u32| NeighbourPlan {
+            id: AgentId(1),
+            step: Step(step),
+            poses: vec![at(20.0), at(40.0), at(60.0)],
+        };
+        let x = |now: u32, plans: &[NeighbourPlan]| -> Vec<f64> {
+            let predicted = neighbours.predicted(Step(now), plans, 3);
+            predicted.iter().flatten().map(|pose| pose.p_world[0]).collect()
+        };
+        assert_eq!(x(0, &[plan(0)]), [20.0, 40.0, 60.0]);
+        assert_eq!(x(4, &[plan(0)]), [40.0, 60.0, 80.0], "one second old");
+        assert_eq!(x(40, &[plan(0)]), [220.0, 240.0, 260.0], "old");
+        assert_eq!(x(40, &[plan(0), plan(36)]), [40.0, 60.0, 80.0], "the newest counts");
+        assert!(x(400, &[plan(0)]).is_empty(), "nobody knows where it is");
+        assert_eq!(x(4, &[]), [-4960.0, -4940.0, -4920.0], "from its start");
+    }
+}

@@ -27,6 +27,11 @@ impl Route {
         Self { points, first_again, nearest: 0 }
     }
 
+    /// Its points, `world`, metres.
+    pub fn points(&self) -> &[[f64; 2]] {
+        &self.points
+    }
+
     fn after(&self, index: usize) -> usize {
         if index + 1 < self.points.len() { index + 1 } else { self.first_again }
     }
