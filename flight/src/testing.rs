@@ -7,10 +7,12 @@ use std::ops::Deref;
 use std::path::Path;
 
 use csat_mission::fleet::Frames;
+use csat_mission::mission::Mission;
 use csat_world::truth::CheckCounts;
 use tempfile::TempDir;
 
 use crate::scenario::{self, Loaded, Request};
+use crate::set_membership::SetMembership;
 use crate::summary::{Messages, Summary};
 use crate::timing::TimingSummary;
 use crate::values::Numbers;
@@ -51,7 +53,8 @@ pub fn small_mission(duration_s: f64) -> Loaded {
 /// A summary with something in every field.
 pub fn summary() -> Summary {
     let (mut numbers, mut last) = (Numbers::default(), Numbers::default());
-    numbers.push_count("identified", Some(8.0));
+    let identified = SetMembership::KIND.column("identified_union").expect("a column");
+    numbers.push_of(identified, "identified", Some(8.0));
     numbers.push("all_identified_s", Some(93.5));
     let values = [
         ("unexplored_pct", Some(21.5), Some(20.0)),

@@ -110,12 +110,14 @@ mod tests {
     #[test]
     fn numbers_keep_their_order_and_what_is_not_defined_is_null() {
         let mut numbers = Numbers::default();
-        numbers.push_count("z", Some(8.0));
+        numbers.push_of(&Column::of_fleet("z", "z", "").count(), "z", Some(8.0));
+        numbers.push_of(&Column::of_agent("y", "y", "").flag(), "y", Some(1.0));
         numbers.push("a", Some(1.5));
         numbers.push("m", None);
         let text = serde_json::to_string(&numbers).unwrap();
-        assert_eq!(text, r#"{"z":8,"a":1.5,"m":null}"#);
+        assert_eq!(text, r#"{"z":8,"y":true,"a":1.5,"m":null}"#);
         let back: Numbers = serde_json::from_str(&text).unwrap();
+        assert_eq!(back.get("y"), Some(1.0));
         assert_eq!((back.get("z"), back.get("m"), back.get("none")), (Some(8.0), None, None));
         assert_eq!(back, numbers);
         let other: Numbers = serde_json::from_str(r#"{"a":1,"b":"text","c":[1]}"#).unwrap();

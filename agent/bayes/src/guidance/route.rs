@@ -28,6 +28,7 @@ impl Route {
     }
 
     /// Its points, `world`, metres.
+    #[cfg(test)]
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
     }

@@ -223,6 +223,9 @@ fn exchange(
 fn guidance(check: &mut Check, guidance: &GuidanceConfig, scenario: &Scenario) {
     check.positive("guidance.lane_m", guidance.lane_m);
     check.positive("guidance.attraction_m", guidance.attraction_m);
+    check.not_negative("guidance.attraction", guidance.attraction);
+    check.positive("guidance.discount_s", guidance.discount_s);
+    check.not_negative("guidance.edge_worth", guidance.edge_worth);
     let (period, horizon) = (guidance.period_s, guidance.horizon_s);
     check.positive("guidance.period_s", period);
     check.that(
