@@ -45,8 +45,13 @@ fn value_of<'a>(flag: &str, arguments: &'a [String]) -> Option<&'a str> {
 /// `--set KEY=VALUE` for the keys that a flag may stand for; only for those that it names where
 /// another flag is alike.
 fn meant(flag: &str, value: Option<&str>, is_alike: bool) -> Vec<String> {
-    let mut paths: Vec<String> = keys::paths().filter(|path| !path.contains("[]")).collect();
-    paths.dedup();
+    // Missions may have keys of one path.
+    let mut paths: Vec<String> = Vec::new();
+    for path in keys::paths().filter(|path| !path.contains("[]")) {
+        if !paths.contains(&path) {
+            paths.push(path);
+        }
+    }
     let word = flag.replace('-', "_");
     let mut guesses = named(&word, &paths);
     if guesses.is_empty() && !is_alike {

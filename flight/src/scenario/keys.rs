@@ -272,7 +272,8 @@ mod tests {
     use super::*;
 
     fn only(path: &str) -> Key {
-        let found = keys(path).into_iter().filter(|key| key.key == path);
+        let is_it = |key: &Key| key.key == path && key.mission.is_none();
+        let found = keys(path).into_iter().filter(is_it);
         let found: Vec<Key> = found.collect();
         assert_eq!(found.len(), 1, "{path}: {found:?}");
         found.into_iter().next().unwrap()

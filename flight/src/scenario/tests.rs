@@ -29,7 +29,7 @@ pub(super) fn set_mistake(sets: &[&str]) -> String {
 fn shipped_scenarios_load_and_survive_being_written_down() {
     let folder = scratch("resolved");
     for name in shipped::scenario_names() {
-        let sets = ["netem.radio.range_m=inf".to_owned(), "guidance.n_mpc=3".to_owned()];
+        let sets = ["netem.radio.range_m=inf", "run.duration_s=90"].map(str::to_owned);
         let first = load(Request { scenario: Some(name), sets: &sets, seed: Some(77) }).unwrap();
         assert_eq!((first.name.as_str(), first.scenario.seed), (name, 77));
         assert_eq!(first.warnings, []);
@@ -359,7 +359,7 @@ fn what_cannot_be_found_is_named() {
         message,
         "error: there is no scenario `hellsinki-05`\n  = expected a TOML file or one of `city`, \
          `city-range100`, `city-bursty`, `city-slow`, `city-storm`, `helsinki-05`, \
-         `helsinki-17`\n  = did you mean `helsinki-05`?\n"
+         `helsinki-17`, `tisdale`\n  = did you mean `helsinki-05`?\n"
     );
     let folder = scratch("folder");
     let message = load_with(&folder.to_string_lossy(), &[]).unwrap_err().mistakes[0].to_string();
