@@ -36,7 +36,8 @@ const SPEED_M_S: f64 = 20.0;
 const HEIGHT_M: f64 = 90.0;
 /// Runs over all frames whose fastest counts.
 const RUNS: usize = 5;
-const HEADER: &str = "step,x_m,y_m,z_m,yaw_rad,pitch_rad,roll_rad,c_px,r_px,target_x_m,target_y_m,detected";
+const HEADER: &str =
+    "step,x_m,y_m,z_m,yaw_rad,pitch_rad,roll_rad,c_px,r_px,target_x_m,target_y_m,detected";
 
 /// A frame of a recording.
 struct Line {
@@ -59,7 +60,9 @@ fn main() {
             let filter = run(&config(name), &read(file));
             println!("{:?}", filter.belief().gaussian());
         }
-        _ => panic!("fly SEED FRAMES FILE, filter FILE [NAME]..., likelihood FILE or repeat FILE NAME"),
+        _ => panic!(
+            "fly SEED FRAMES FILE, filter FILE [NAME]..., likelihood FILE or repeat FILE NAME"
+        ),
     }
 }
 
@@ -123,8 +126,7 @@ fn fly(seed: u64, frames: u32, file: &str) {
     let target: [f64; 2] = std::array::from_fn(|_| rng.random_range(-300.0..300.0));
     let bearing: f64 = rng.random_range(-3.1..3.1);
     let start = [target[0] - 250.0 * bearing.cos(), target[1] - 250.0 * bearing.sin(), HEIGHT_M];
-    let mut aircraft =
-        FixedWing::level(config.fleet.fixed_wing, start, bearing + 0.1, SPEED_M_S);
+    let mut aircraft = FixedWing::level(config.fleet.fixed_wing, start, bearing + 0.1, SPEED_M_S);
     let mut aim = near(target, &mut rng);
     let mut was_near = false;
     let mut out = std::io::BufWriter::new(std::fs::File::create(file).expect("a file"));
@@ -179,9 +181,7 @@ fn sighting(
     let anywhere = size.map(|side| side * rng.random::<f64>());
     let is_inside = |z: &[f64; 2]| (0..2).all(|axis| (0.0..=size[axis]).contains(&z[axis]));
     let image = view.project(&Vector3::new(x, y, 0.0)).filter(is_inside);
-    let p = image.map_or(0.0, |[c, r]| {
-        config.detector.p_detected(view.resolution_px_m2(c, r))
-    });
+    let p = image.map_or(0.0, |[c, r]| config.detector.p_detected(view.resolution_px_m2(c, r)));
     if u < p {
         return (image, true);
     }

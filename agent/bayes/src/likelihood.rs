@@ -152,13 +152,22 @@ impl Likelihood {
     /// The same for a point that is known to be within [`Self::bounds`].
     #[inline]
     pub fn ln_within(&self, x: [f64; 2]) -> f64 {
+        self.excess(x).ln_1p()
+    }
+
+    /// p(z | x) over its constant outside of [`Self::bounds`], at a point that is known to be within them.
+    #[inline]
+    pub fn ratio_within(&self, x: [f64; 2]) -> f64 {
+        1.0 + self.excess(x)
+    }
+
+    /// That ratio less 1.
+    #[inline]
+    fn excess(&self, x: [f64; 2]) -> f64 {
         let Some(image) = self.optics.see(x) else { return 0.0 };
         match &self.kind {
-            Kind::NoDetection => {
-                let p = self.p_at(&image);
-                (1.0 - p / (1.0 - self.p_false)).max(LEAST).ln()
-            }
-            Kind::Detection { z, gain } => (image.density(*z) * gain).ln_1p(),
+            Kind::NoDetection => (-self.p_at(&image) / (1.0 - self.p_false)).max(LEAST - 1.0),
+            Kind::Detection { z, gain } => image.density(*z) * gain,
         }
     }
 

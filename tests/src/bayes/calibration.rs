@@ -65,7 +65,8 @@ impl Setting {
             scenario.netem.radio.range_m = 300.0;
             // Bursts of ten messages.
             let (r, k) = (0.1, 1.0);
-            scenario.netem.radio.loss = LossConfig::GilbertElliott { p: 0.3 / 0.7 * r, r, h: 0.0, k };
+            scenario.netem.radio.loss =
+                LossConfig::GilbertElliott { p: 0.3 / 0.7 * r, r, h: 0.0, k };
         }
         let mut tables = Tables { exchange: self.exchange.clone(), ..Tables::default() };
         tables.pose.noise = self.noise;

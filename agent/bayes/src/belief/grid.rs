@@ -266,14 +266,18 @@ impl GridBelief {
         }
     }
 
+    /// The columns and rows of a block.
+    fn part(&self, block: usize) -> (std::ops::Range<u32>, std::ops::Range<u32>) {
+        let (east, north) = (block as u32 % self.blocks_east, block as u32 / self.blocks_east);
+        let part = |first: u32, count: u32| first * BLOCK..((first + 1) * BLOCK).min(count);
+        (part(east, self.grid.columns), part(north, self.grid.rows))
+    }
+
     /// The indexes of the cells of a block.
     fn cells_of(&self, block: usize) -> impl Iterator<Item = usize> + use<> {
         let grid = self.grid;
-        let (east, north) = (block as u32 % self.blocks_east, block as u32 / self.blocks_east);
-        let part = |first: u32, count: u32| first * BLOCK..((first + 1) * BLOCK).min(count);
-        let columns = part(east, grid.columns);
-        part(north, grid.rows)
-            .flat_map(move |row| columns.clone().map(move |column| grid.index(column, row)))
+        let (columns, rows) = self.part(block);
+        rows.flat_map(move |row| columns.clone().map(move |column| grid.index(column, row)))
     }
 
     /// Makes the sums of all stale blocks anew.
@@ -292,16 +296,19 @@ impl GridBelief {
             max = max.max(self.ln[cell]);
         }
         let mut sums = Block { min, max, ..Block::default() };
-        for cell in self.cells_of(block) {
-            let weight = (self.ln[cell] - max).exp();
-            let columns = self.grid.columns as usize;
-            let [x, y] = self.grid.centre((cell % columns) as u32, (cell / columns) as u32);
-            sums.mass += weight;
-            sums.first[0] += weight * x;
-            sums.first[1] += weight * y;
-            sums.second[0] += weight * x * x;
-            sums.second[1] += weight * x * y;
-            sums.second[2] += weight * y * y;
+        let (columns, rows) = self.part(block);
+        for row in rows {
+            let y = self.grid.centre(0, row)[1];
+            for column in columns.clone() {
+                let weight = (self.ln[self.grid.index(column, row)] - max).exp();
+                let x = self.grid.centre(column, row)[0];
+                sums.mass += weight;
+                sums.first[0] += weight * x;
+                sums.first[1] += weight * y;
+                sums.second[0] += weight * x * x;
+                sums.second[1] += weight * x * y;
+                sums.second[2] += weight * y * y;
+            }
         }
         sums
     }

