@@ -122,7 +122,11 @@ fn start(name: &str, count: u16) -> Vec<StartPose> {
                 _ => at(472.0 - index(count - 1 - i) * strip, 500.0, -90.0),
             })
             .collect(),
-        other => panic!("start {other}: west, south or opposite"),
+        // As in the scenario `tisdale`: south of the border, in the outer corners.
+        "tisdale" => {
+            (0..count).map(|i| at(if i % 2 == 0 { -480.0 } else { 480.0 }, -520.0, 90.0)).collect()
+        }
+        other => panic!("start {other}: west, south, opposite or tisdale"),
     }
 }
 

@@ -1,9 +1,10 @@
 //! Where an aircraft flies (Tisdale et al. 2008, section IV).
 //!
 //! [`Guide`] gives headings. `lawnmower` and `waypoints` follow given routes. `information` plans turns over a
-//! receding horizon by [beam search](beam): for the [probability of detection](coverage) as long as there is no
-//! target, then for the [expected covariance](localisation) of the target. Turns are predicted by the
-//! vehicle's [model](manoeuvre), banks and their [footprints](footprint) included.
+//! receding horizon by beam search (`beam`): for the probability of detection (`coverage`) as long as there is no
+//! target, then for the expected covariance of the target (`localisation`). Turns are predicted by the vehicle's
+//! model (`manoeuvre`), with banks and their footprints (`footprint`): while an aircraft banks, its camera looks
+//! outward, and planned turns to one side and the other sweep twice the width that level flight does.
 
 mod beam;
 mod coverage;
