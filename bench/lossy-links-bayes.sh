@@ -4,7 +4,7 @@
 #   bench/lossy-links-bayes.sh [FOLDER]        default: sweeps/lossy-links-bayes
 #   SEEDS=1..50 CALIBRATION=1..200 JOBS=8 bench/lossy-links-bayes.sh
 #
-# Interrupted, it goes on where it was. bench/lossy-links-bayes.py makes tables and curves of it.
+# Interrupted, it goes on where it was. Each sweep leaves a report.html with every number, run and 95 % band.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-sweeps/lossy-links-bayes}

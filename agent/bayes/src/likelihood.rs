@@ -320,9 +320,9 @@ impl Optics {
         for corner in corners(wide) {
             // At the horizon the rectangle would have no end.
             let Some(x) = on_ground(corner) else { return Some(all) };
-            for axis in 0..2 {
-                rect.min[axis] = rect.min[axis].min(x[axis]);
-                rect.max[axis] = rect.max[axis].max(x[axis]);
+            for (axis, x) in x.into_iter().enumerate() {
+                rect.min[axis] = rect.min[axis].min(x);
+                rect.max[axis] = rect.max[axis].max(x);
             }
         }
         rect.meets(&all).then_some(rect)
