@@ -153,8 +153,12 @@ fn camera(check: &mut Check, scenario: &Scenario) {
     check.that(
         least >= MIN_DIP_DEG,
         &["camera.tilt_deg", "camera.aperture_deg", "agents.fixed_wing.roll_max_deg"],
-        &format!("{} (a bank of {roll}° lifts a corner of the image to {:.1}° below the horizon)",
-            camera.tilt_deg, least + 0.0),
+        &format!(
+            "{} (a bank of {roll}° lifts a corner of the image to {:.1}° {} the horizon)",
+            camera.tilt_deg,
+            least.abs(),
+            if least < 0.0 { "above" } else { "below" }
+        ),
         &format!("an image that stays {MIN_DIP_DEG}° below the horizon, such as a camera that looks down, 90"),
     );
 }
