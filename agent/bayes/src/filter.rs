@@ -86,7 +86,9 @@ impl Filter {
     pub fn advance(&mut self, step: Step) {
         while self.step < step {
             self.step.0 += 1;
-            self.belief.predict(self.step);
+            if !is_on(Mutant::WalkForgotten) {
+                self.belief.predict(self.step);
+            }
             if self.walk_m > 0.0 {
                 self.survival.diffuse(self.walk_m);
             }
@@ -99,15 +101,24 @@ impl Filter {
     /// Applies factors that were not applied yet, all of this step or earlier, in the order of steps and numbers: equal
     /// news make equal bits.
     pub fn apply(&mut self, mut news: Vec<Factor>) {
-        news.sort_unstable_by_key(|factor| (factor.step, factor.id));
+        if !is_on(Mutant::OrderOfArrival) {
+            news.sort_unstable_by_key(|factor| (factor.step, factor.id));
+        }
+        if is_on(Mutant::LateLeftOut) {
+            news.retain(|factor| factor.step >= self.step);
+        }
         if is_on(Mutant::NoDetectionDropped) {
             news.retain(|factor| factor.sighting.is_some());
         }
         let likelihood = |factor: &Factor| Arc::new(Likelihood::new(&self.sensor, factor));
         let frames: Vec<Arc<Likelihood>> = news.iter().map(likelihood).collect();
-        frames.iter().for_each(|frame| self.survival.look(frame));
+        let counts = |frame: &&Arc<Likelihood>| {
+            !(is_on(Mutant::DetectionsNotCounted) && frame.is_detection())
+        };
+        frames.iter().filter(counts).for_each(|frame| self.survival.look(frame));
         let Some(lag) = &mut self.lag else { return self.belief.update(&frames) };
-        let is_late = news.iter().any(|factor| factor.step < self.step);
+        let is_late =
+            news.iter().any(|factor| factor.step < self.step) && !is_on(Mutant::LateAsNow);
         for (factor, frame) in news.iter().zip(&frames) {
             lag.keep(factor, frame);
         }

@@ -24,11 +24,31 @@ pub enum Mutant {
     NeverRepairs,
     /// The errors of reported attitudes are left out of the likelihood.
     AttitudeExact,
+    /// Factors are applied in the order of their arrival.
+    OrderOfArrival,
+    /// Factors of earlier steps are not applied.
+    LateLeftOut,
+    /// Late factors of a target that moves are applied as if they were of now.
+    LateAsNow,
+    /// A target that moves is believed to stand.
+    WalkForgotten,
+    /// Frames with a detection do not count in P(D).
+    DetectionsNotCounted,
+    /// A restarted agent numbers its factors as its first life did.
+    FirstLifeForEver,
+    /// Messages of incarnations that are over are believed.
+    OldLivesBelieved,
+    /// An agent tells that it holds all factors up to the newest.
+    GapsNotTold,
+    /// Only own factors are sent again.
+    RelaysNothing,
+    /// Of two factors of one identity the newer one stays.
+    NewerStays,
 }
 
 impl Mutant {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 18] = [
         Self::FactorAppliedTwice,
         Self::IncarnationIgnored,
         Self::NoDetectionDropped,
@@ -37,6 +57,16 @@ impl Mutant {
         Self::SnapshotByProduct,
         Self::NeverRepairs,
         Self::AttitudeExact,
+        Self::OrderOfArrival,
+        Self::LateLeftOut,
+        Self::LateAsNow,
+        Self::WalkForgotten,
+        Self::DetectionsNotCounted,
+        Self::FirstLifeForEver,
+        Self::OldLivesBelieved,
+        Self::GapsNotTold,
+        Self::RelaysNothing,
+        Self::NewerStays,
     ];
 }
 

@@ -23,8 +23,8 @@ const ERROR: f64 = 0.0005;
 pub struct Setting {
     /// Side of the region, metres.
     pub side_m: f64,
-    /// Seconds.
-    pub duration_s: f64,
+    /// When beliefs are looked at, seconds: the last time is the end of the mission.
+    pub looks_s: Vec<f64>,
     /// Whether links have 300 m of range and lose three messages of ten, in bursts.
     pub is_lossy: bool,
     /// `[exchange]`.
@@ -37,7 +37,7 @@ impl Default for Setting {
     fn default() -> Self {
         Self {
             side_m: 400.0,
-            duration_s: 90.0,
+            looks_s: vec![15.0, 40.0, 90.0],
             is_lossy: false,
             exchange: ExchangeConfig::default(),
             noise: Noise::White,
@@ -56,7 +56,8 @@ impl Setting {
     fn scenario(&self, seed: u64) -> Scenario {
         let mut scenario = tisdale();
         scenario.seed = seed;
-        scenario.run.duration_s = self.duration_s;
+        scenario.run.duration_s = self.looks_s.last().copied().unwrap_or_default();
+        scenario.run.period_s = 0.5;
         scenario.map.size_m = [self.side_m; 2];
         let x_m = 0.48 * self.side_m;
         let start = |x_m| StartPose { x_m, y_m: -0.52 * self.side_m, yaw_deg: 90.0 };
@@ -70,36 +71,51 @@ impl Setting {
         }
         let mut tables = Tables { exchange: self.exchange.clone(), ..Tables::default() };
         tables.pose.noise = self.noise;
+        // Guidance takes more time than the filter.
+        (tables.guidance.horizon_s, tables.guidance.beam) = (8.0, 4);
+        tables.guidance.period_s = 2.0;
         with_tables(scenario, &tables)
     }
 }
 
-/// How a mission ended.
+/// What UAV 0 believed when it was looked at.
 #[derive(Debug, Clone, Copy)]
-pub struct End {
-    /// Whether the target was in the 95 % region of UAV 0.
+pub struct Look {
+    /// Whether the target was in the 95 % region.
     pub is_in: bool,
-    /// How sure UAV 0 was: the square root of the trace of its covariance, metres.
+    /// How sure it was: the square root of the trace of the covariance, metres.
     pub sigma_m: f64,
-    /// From its mean to the target, metres.
+    /// From the mean to the target, metres.
     pub error_m: f64,
 }
 
-/// Flies the missions of these seeds.
-pub fn fly(setting: &Setting, seeds: std::ops::Range<u64>) -> Vec<End> {
-    seeds.into_par_iter().map(|seed| end(&setting.scenario(seed))).collect()
+/// Flies the missions of these seeds: for each time of [`Setting::looks_s`] a look at each.
+pub fn fly(setting: &Setting, seeds: std::ops::Range<u64>) -> Vec<Vec<Look>> {
+    let missions: Vec<Vec<Look>> = seeds.into_par_iter().map(|seed| looks(setting, seed)).collect();
+    let of = |index: usize| missions.iter().map(|looks| looks[index]).collect();
+    (0..setting.looks_s.len()).map(of).collect()
 }
 
-fn end(scenario: &Scenario) -> End {
-    let world = world_of(scenario).expect("open ground");
-    let mut engine = Engine::new(Quiet::new(scenario), world, &scenario.netem, scenario.seed);
-    for _ in 0..=scenario.steps() {
-        engine.step();
+fn looks(setting: &Setting, seed: u64) -> Vec<Look> {
+    let scenario = setting.scenario(seed);
+    let world = world_of(&scenario).expect("open ground");
+    let mut engine = Engine::new(Quiet::new(&scenario), world, &scenario.netem, scenario.seed);
+    let mut flown = 0;
+    let mut looks = Vec::new();
+    for at_s in &setting.looks_s {
+        let until = (at_s / scenario.run.period_s) as u32 + 1;
+        (flown..until).for_each(|_| drop(engine.step()));
+        flown = until;
+        looks.push(look(&engine));
     }
+    looks
+}
+
+fn look(engine: &Engine<Quiet>) -> Look {
     let [x, y] = engine.world().targets()[0].location;
     let belief = engine.nodes()[0].agent.filter().belief();
     let estimate = belief.gaussian();
-    End {
+    Look {
         is_in: belief.highest_density(SHARE).contains([x, y]),
         sigma_m: estimate.sigma_m(),
         error_m: (estimate.mean[0] - x).hypot(estimate.mean[1] - y),
@@ -117,9 +133,9 @@ pub struct Coverage {
 
 impl Coverage {
     /// Counts.
-    pub fn of(ends: &[End]) -> Self {
-        let hits = ends.iter().filter(|end| end.is_in).count() as u64;
-        Self { hits, missions: ends.len() as u64 }
+    pub fn of(looks: &[Look]) -> Self {
+        let hits = looks.iter().filter(|look| look.is_in).count() as u64;
+        Self { hits, missions: looks.len() as u64 }
     }
 
     /// The share.

@@ -37,6 +37,9 @@ impl FactorSet {
     pub fn insert(&mut self, factor: Factor) -> bool {
         let id = factor.id;
         if self.holds(id) {
+            if is_on(Mutant::NewerStays) {
+                self.factors.insert(id, factor);
+            }
             self.conflicts += u64::from(self.factors.get(&id).is_some_and(|held| *held != factor));
             return false;
         }
@@ -105,7 +108,14 @@ impl FactorSet {
 
     /// What messages tell of the set.
     pub fn held(&self) -> Held {
-        let told = |((source, incarnation), numbers): (_, &_)| {
+        let told = |((source, incarnation), numbers): (_, &Intervals)| {
+            if is_on(Mutant::GapsNotTold) {
+                let mut all = Intervals::EMPTY;
+                (0..numbers.end()).for_each(|number| {
+                    all.insert(number);
+                });
+                return HeldNumbers::of(source, incarnation, &all);
+            }
             HeldNumbers::of(source, incarnation, numbers)
         };
         Held(self.numbers().map(told).collect())

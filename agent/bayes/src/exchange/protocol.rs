@@ -18,6 +18,7 @@ use super::repair::Repair;
 use super::validate::{self, Rejection};
 use crate::config::{AgentConfig, ExchangeMode};
 use crate::factor::{Factor, FactorId};
+use crate::mutant::{Mutant, is_on};
 use crate::tiles::Tiles;
 
 /// The most factors of a message that is not an answer.
@@ -95,7 +96,10 @@ impl Exchange {
     /// Numbers the factor of the frame of a step: `sighting` is an image point, pixels. An agent states one
     /// factor per step at most, and a ground station none.
     pub fn state(&mut self, step: Step, pose: &Pose, sighting: Option<[f64; 2]>) -> Factor {
-        let (source, incarnation) = (self.config.id, self.config.incarnation);
+        let (source, mut incarnation) = (self.config.id, self.config.incarnation);
+        if is_on(Mutant::FirstLifeForEver) {
+            incarnation = Incarnation(0);
+        }
         let id = FactorId { source, incarnation, number: self.stated };
         self.stated = self.stated.saturating_add(1);
         let sighting = sighting.map(|z| z.map(|x| x as f32));
@@ -319,7 +323,7 @@ impl Exchange {
             validate::check(&self.config, now, self.stated, &envelope)?;
         let Envelope { src: from, incarnation, step, pose, .. } = envelope;
         let known = self.repair.incarnation(from).unwrap_or_default();
-        if incarnation < known {
+        if incarnation < known && !is_on(Mutant::OldLivesBelieved) {
             return Err(Rejection::Incarnation { got: incarnation.0, known: known.0 });
         }
         self.repair.hear(now, from, incarnation, step, held);

@@ -131,6 +131,9 @@ impl Repair {
                 continue;
             }
             for ((source, incarnation), ours) in set.numbers() {
+                if is_on(Mutant::RelaysNothing) && source != self.own {
+                    continue;
+                }
                 // What an agent states itself it is not missing.
                 if source == *from && incarnation >= neighbour.incarnation {
                     continue;

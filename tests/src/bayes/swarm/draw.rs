@@ -85,7 +85,7 @@ fn world(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
     agents.start = (0..agents.count)
         .map(|index| {
             let [x_m, y_m] = place(1.1);
-            StartPose { x_m, y_m, yaw_deg: 97.0 * f64::from(index) + x_m }
+            StartPose { x_m, y_m, yaw_deg: 90.0 * f64::from(index) - 170.0 }
         })
         .collect();
     let [x_m, y_m] = place(1.5);
@@ -125,6 +125,9 @@ fn exchange(tables: &mut Tables, is_perfect: bool, rng: &mut ChaCha8Rng) {
         2..7 => ExchangeMode::Facts,
         _ => ExchangeMode::FactsRepair,
     };
+    if exchange.mode == ExchangeMode::Snapshot && tables.belief.kind == BeliefKind::Particles {
+        tables.belief.kind = BeliefKind::Adaptive;
+    }
     exchange.fusion = pick(rng, &[Fusion::Chernoff, Fusion::Product]);
     exchange.repair_period_s = rng.random_range(0.3..2.0);
     exchange.repair_delay_s = rng.random_range(0.2..2.0);
@@ -179,9 +182,10 @@ fn outages(netem: &mut NetemConfig, agents: u16, end_s: f64, rng: &mut ChaCha8Rn
         let mut from_s = 0.0;
         for _ in 0..2 {
             from_s += rng.random_range(0.0..end_s * 0.6);
-            let until_s = from_s + rng.random_range(0.3..end_s * 0.3);
-            if rng.random_bool(0.3) && until_s < end_s {
-                let kind = pick(rng, &[OutageKind::Radio, OutageKind::Crash]);
+            let longest_s = pick(rng, &[2.0, 0.3 * end_s]);
+            let until_s = from_s + rng.random_range(0.3..longest_s);
+            if rng.random_bool(0.4) && until_s < end_s {
+                let kind = pick(rng, &[OutageKind::Radio, OutageKind::Crash, OutageKind::Crash]);
                 netem.outage.push(OutageConfig { agent, from_s, until_s, kind });
                 from_s = until_s + 0.1;
             }

@@ -6,11 +6,13 @@ use csat_bayes::agent::{BayesAgent, Event};
 use csat_bayes::config::BeliefKind;
 use csat_bayes::factor::FactorId;
 use csat_bayes::likelihood::{Likelihood, Sensor};
+use csat_bayes::search_map::CELL_M;
 use csat_flight::bayes::Bayes;
 use csat_mission::engine::{LifeEvent, StepTrace};
 use csat_mission::node::Node;
 use csat_proto::ids::AgentId;
 use csat_proto::model::Driving;
+use csat_proto::raster::Grid;
 
 use super::draw::Draw;
 use super::factors::{Ledger, Now};
@@ -29,7 +31,6 @@ pub struct Laws<'a> {
     ledger: Ledger,
     likelihoods: BTreeMap<FactorId, Likelihood>,
     is_healed: bool,
-    /// Factors that were told when the links were perfect.
     exercise: Exercise,
 }
 
@@ -184,6 +185,7 @@ impl<'a> Laws<'a> {
     /// # Errors
     /// Agents that have to hold the same do not.
     pub fn finish(mut self, engine: &Swarm) -> Result<Exercise, String> {
+        alive(engine).try_for_each(|(id, node)| self.check_detection(id, &node.agent))?;
         if self.draw.must_converge() {
             self.check_converged(engine)?;
             self.exercise.converged = u64::from(!self.draw.is_perfect);
@@ -200,6 +202,31 @@ impl<'a> Laws<'a> {
             moving: u64::from(self.draw.scenario.targets.driving == Driving::RandomWalk),
             ..self.exercise
         })
+    }
+
+    /// P(D) is that of the factors held (8).
+    fn check_detection(&self, id: AgentId, agent: &BayesAgent) -> Result<(), String> {
+        if !self.draw.is_product() {
+            return Ok(());
+        }
+        let grid = Grid::covering(&agent.config().ground, CELL_M);
+        let ids = agent.factors().iter().map(|factor| factor.id);
+        let held: Vec<&Likelihood> = ids.filter_map(|id| self.likelihoods.get(&id)).collect();
+        let mut missed = 0.0;
+        for row in 0..grid.rows {
+            for column in 0..grid.columns {
+                let x = grid.centre(column, row);
+                let in_sight = |frame: &&&Likelihood| frame.footprint().is_some_and(|f| f.contains(x));
+                let frames = held.iter().filter(in_sight);
+                missed += frames.map(|frame| 1.0 - frame.p_detection(x)).product::<f64>();
+            }
+        }
+        let expected = 1.0 - missed / grid.cells() as f64;
+        let got = agent.filter().cumulative_detection();
+        match (got - expected).abs() < 1e-9 {
+            true => Ok(()),
+            false => Err(format!("P(D) of agent {id} is {got}, of its factors {expected}")),
+        }
     }
 
     fn check_converged(&self, engine: &Swarm) -> Result<(), String> {

@@ -1,0 +1,344 @@
+//! The equations of Tisdale et al. 2008 once more, without the likelihoods of the agent: errors of poses are
+//! drawn, derivatives are differences, and a posterior is a product over a grid. Agents in a scripted mission
+//! have to believe the same.
+
+use csat_bayes::agent::BayesAgent;
+use csat_bayes::belief::region::CellSet;
+use csat_bayes::config::BeliefKind;
+use csat_proto::agent::Agent;
+use csat_proto::camera::{CameraModel, Pose};
+use csat_proto::detector::DetectorModel;
+use csat_proto::frame::Frame as SensorFrame;
+use csat_proto::time::{SimTime, Step};
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::missions::Tables;
+use super::script::{Heard, Script, TARGET, newcomer};
+
+/// Draws of the errors of a pose.
+const DRAWS: usize = 1000;
+/// Side of the cells, metres.
+const CELL_M: f64 = 5.0;
+/// How far a posterior may be from that of the equations, as half the sum of the differences of probabilities.
+/// Frames without detection are the reason: the edges of an image are simpler to an agent.
+const APART: f64 = 0.1;
+
+/// The same where all frames have detections.
+const APART_SEEN: f64 = 0.01;
+
+/// A frame, as it was reported.
+#[derive(Debug, Clone, Copy)]
+pub struct Frame {
+    /// From where.
+    pub pose: Pose,
+    /// What was detected, pixels.
+    pub sighting: Option<[f64; 2]>,
+}
+
+/// A camera with a detector on an aircraft with errors of its pose.
+pub struct Model {
+    camera: CameraModel,
+    detector: DetectorModel,
+    sigma: [f64; 6],
+    /// Errors: along track, across track, height, yaw, pitch, roll.
+    errors: Vec<[f64; 6]>,
+}
+
+impl Model {
+    /// The model of a scripted mission.
+    pub fn new(script: &Script) -> Self {
+        let Tables { detector, pose, .. } = script.tables;
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let errors = (0..DRAWS).map(|_| pose.sigma.map(|sigma| sigma * normal(&mut rng))).collect();
+        Self { camera: script.scenario.camera, detector, sigma: pose.sigma, errors }
+    }
+
+    /// p(z | x), up to what is the same for all x.
+    pub fn likelihood(&self, frame: &Frame, x: [f64; 2]) -> f64 {
+        let p_false = self.detector.p_false;
+        let Frame { pose, sighting } = frame;
+        let Some(z) = *sighting else {
+            // (5), (7): 1 − p(D, V | x) − P_false.
+            return 1.0 - self.mean(pose, |pose| self.p_seen(pose, x)) - p_false;
+        };
+        // (3): what is not the target is uniform in the image.
+        let of_false = p_false / self.size().iter().product::<f64>();
+        let detected = self.mean(pose, |pose| {
+            let place = ground_point(&self.camera, pose, z);
+            place.map_or(0.0, |place| self.p_detected(self.resolution(pose, place)))
+        });
+        self.density(pose, x, z) * detected + of_false
+    }
+
+    fn size(&self) -> [f64; 2] {
+        [f64::from(self.camera.columns), f64::from(self.camera.rows)]
+    }
+
+    /// The mean over the errors of a pose.
+    fn mean(&self, pose: &Pose, of: impl Fn(&Pose) -> f64) -> f64 {
+        let draws = self.errors.iter().map(|e| of(&with_errors(pose, *e)));
+        draws.sum::<f64>() / self.errors.len() as f64
+    }
+
+    /// The probability that a camera whose pose is known sees and detects a target at x.
+    fn p_seen(&self, pose: &Pose, x: [f64; 2]) -> f64 {
+        let is_inside =
+            |z: [f64; 2]| self.size().iter().zip(z).all(|(size, z)| (0.0..=*size).contains(&z));
+        match image_of(&self.camera, pose, x).filter(|z| is_inside(*z)) {
+            Some(_) => self.p_detected(self.resolution(pose, x)),
+            None => 0.0,
+        }
+    }
+
+    /// (6): Bayes' rule with two normal densities of the resolution.
+    fn p_detected(&self, resolution: f64) -> f64 {
+        let density = |[mean, variance]: [f64; 2]| {
+            (-(resolution - mean).powi(2) / (2.0 * variance)).exp() / variance.sqrt()
+        };
+        let DetectorModel { p_detection, detected_resolution, missed_resolution, .. } =
+            self.detector;
+        let hit = p_detection * density(detected_resolution);
+        let miss = (1.0 - p_detection) * density(missed_resolution);
+        if hit + miss > 0.0 { hit / (hit + miss) } else { 0.0 }
+    }
+
+    /// Pixels per square metre at a place: the determinant of the projection's derivative.
+    fn resolution(&self, pose: &Pose, [x, y]: [f64; 2]) -> f64 {
+        let h = 0.01;
+        let at = |dx: f64, dy: f64| image_of(&self.camera, pose, [x + dx, y + dy]);
+        let (Some(e), Some(w), Some(n), Some(s)) =
+            (at(h, 0.0), at(-h, 0.0), at(0.0, h), at(0.0, -h))
+        else {
+            return 0.0;
+        };
+        let [c_x, r_x] = [0, 1].map(|i| (e[i] - w[i]) / (2.0 * h));
+        let [c_y, r_y] = [0, 1].map(|i| (n[i] - s[i]) / (2.0 * h));
+        (c_x * r_y - c_y * r_x).abs()
+    }
+
+    /// (4): the normal density of z about the image of x, whose covariance is that of the errors of the pose.
+    fn density(&self, pose: &Pose, x: [f64; 2], z: [f64; 2]) -> f64 {
+        let Some(mean) = image_of(&self.camera, pose, x) else { return 0.0 };
+        let mut covariance = [0.0; 3];
+        for (index, sigma) in self.sigma.into_iter().enumerate() {
+            let h = 1e-4;
+            let with = |h: f64| {
+                let mut e = [0.0; 6];
+                e[index] = h;
+                image_of(&self.camera, &with_errors(pose, e), x)
+            };
+            let (Some(after), Some(before)) = (with(h), with(-h)) else { return 0.0 };
+            let [c, r] = [0, 1].map(|i| sigma * (after[i] - before[i]) / (2.0 * h));
+            covariance = [covariance[0] + c * c, covariance[1] + c * r, covariance[2] + r * r];
+        }
+        let [cc, cr, rr] = covariance;
+        let determinant = cc * rr - cr * cr;
+        let (c, r) = (z[0] - mean[0], z[1] - mean[1]);
+        let squared = (rr * c * c - 2.0 * cr * c * r + cc * r * r) / determinant;
+        (-0.5 * squared).exp() / (std::f64::consts::TAU * determinant.sqrt())
+    }
+}
+
+/// The posterior of frames over cells, row by row from the south-west.
+fn posterior(model: &Model, cells: &[[f64; 2]], frames: &[Frame]) -> Vec<f64> {
+    let of = |x: &[f64; 2]| frames.iter().map(|frame| model.likelihood(frame, *x)).product();
+    normalised(cells.iter().map(of).collect())
+}
+
+fn normalised(weights: Vec<f64>) -> Vec<f64> {
+    let sum: f64 = weights.iter().sum();
+    weights.into_iter().map(|weight| weight / sum).collect()
+}
+
+/// The centres of all cells of a square region.
+fn cells(side_m: f64) -> Vec<[f64; 2]> {
+    let count = (side_m / CELL_M).round() as u32;
+    let along = move |i: u32| (f64::from(i) + 0.5) * CELL_M - side_m / 2.0;
+    (0..count).flat_map(|row| (0..count).map(move |column| [along(column), along(row)])).collect()
+}
+
+fn believed(agent: &BayesAgent, cells: &[[f64; 2]]) -> Vec<f64> {
+    let belief = agent.filter().belief();
+    let ln: Vec<f64> = cells.iter().filter_map(|x| Some(belief.at(*x)?.1)).collect();
+    let peak = ln.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    normalised(ln.into_iter().map(|ln| (ln - peak).exp()).collect())
+}
+
+/// Two aircraft fly a script: what both believe is the posterior by the equations, after each part of it.
+///
+/// # Errors
+/// How far they are from it.
+pub fn check_posterior() -> Result<f64, String> {
+    let mut script = Script::new(BeliefKind::Grid, CELL_M);
+    let model = Model::new(&script);
+    let cells = cells(script.scenario.map.size_m[0]);
+    let mut frames = Vec::new();
+    let mut worst = 0.0f64;
+    for (part, (steps, is_end)) in [(6, false), (4, false), (6, true)].into_iter().enumerate() {
+        for _ in 0..steps {
+            frames.extend(script.step(Heard::All));
+        }
+        let expected = posterior(&model, &cells, &frames);
+        for agent in &script.agents {
+            let got = believed(agent, &cells);
+            if got.len() != expected.len() {
+                return Err(format!("{} cells of {}", got.len(), expected.len()));
+            }
+            let apart = apart(&got, &expected);
+            worst = worst.max(apart);
+            if apart > APART {
+                return Err(format!("after part {part} beliefs are {apart:.4} from the posterior"));
+            }
+        }
+        if is_end {
+            check_found(&script)?;
+        }
+    }
+    Ok(worst)
+}
+
+/// Half the sum of the differences of probabilities.
+fn apart(p: &[f64], q: &[f64]) -> f64 {
+    p.iter().zip(q).map(|(p, q)| (p - q).abs()).sum::<f64>() / 2.0
+}
+
+/// An aircraft that gets nothing but detections.
+///
+/// # Errors
+/// How far its belief is from the posterior by the equations.
+pub fn check_sightings() -> Result<f64, String> {
+    let mut script = Script::new(BeliefKind::Grid, CELL_M);
+    let model = Model::new(&script);
+    let cells = cells(script.scenario.map.size_m[0]);
+    let frames = (0..16).flat_map(|_| script.step(Heard::All));
+    let seen: Vec<Frame> = frames.filter(|frame| frame.sighting.is_some()).collect();
+    let mut worst = 0.0f64;
+    for count in 1..=seen.len() {
+        let mut agent = newcomer(&script.scenario, 0);
+        for (step, frame) in (0..).zip(&seen[..count]) {
+            let now = SimTime::from_seconds(f64::from(step));
+            agent.handle_frame(now, &SensorFrame::of_detector(Step(step), frame.pose, frame.sighting));
+            agent.handle_timeout(now);
+        }
+        worst = worst.max(apart(&believed(&agent, &cells), &posterior(&model, &cells, &seen[..count])));
+    }
+    match seen.len() >= 4 && worst < APART_SEEN {
+        true => Ok(worst),
+        false => Err(format!("{worst:.4} from the posterior of up to {} detections", seen.len())),
+    }
+}
+
+fn check_found(script: &Script) -> Result<(), String> {
+    let region: CellSet = script.agents[0].filter().belief().highest_density(0.95);
+    let share = region.area_m2() / script.scenario.ground().area_m2();
+    match region.contains(TARGET) && share < 0.2 {
+        true => Ok(()),
+        false => Err(format!("the script finds nothing: {share}")),
+    }
+}
+
+/// A target that walks is the less sure the longer it was not seen: its variance grows by σ² t.
+///
+/// # Errors
+/// How it grows.
+pub fn check_walk() -> Result<(), String> {
+    for kind in [BeliefKind::Grid, BeliefKind::Adaptive] {
+        let mut script = Script::walking(kind, 2.0);
+        (0..16).for_each(|_| drop(script.step(Heard::All)));
+        let variance = |script: &Script| {
+            let gaussian = script.agents[0].filter().belief().gaussian();
+            [gaussian.covariance[0], gaussian.covariance[2]]
+        };
+        let before = variance(&script);
+        const STEPS: u32 = 40;
+        (0..STEPS).for_each(|_| script.step_away());
+        let after = variance(&script);
+        let expected = script.walk_m().powi(2) * f64::from(STEPS);
+        for (before, after) in before.into_iter().zip(after) {
+            let grown = after - before;
+            if (grown / expected - 1.0).abs() > 0.2 {
+                return Err(format!("{kind:?}: a variance grew by {grown}, not by {expected} m²"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// P(D) is what the equations make of the frames (8).
+///
+/// # Errors
+/// What it is.
+pub fn check_detection() -> Result<(), String> {
+    let mut script = Script::new(BeliefKind::Adaptive, 12.5);
+    let model = Model::new(&script);
+    let frames: Vec<Frame> = (0..16).flat_map(|_| script.step(Heard::All)).collect();
+    let cells = cells(script.scenario.map.size_m[0]);
+    let missed = |x: &[f64; 2]| {
+        let seen = |frame: &Frame| model.mean(&frame.pose, |pose| model.p_seen(pose, *x));
+        frames.iter().map(|frame| 1.0 - seen(frame)).product::<f64>()
+    };
+    let expected = 1.0 - cells.iter().map(missed).sum::<f64>() / cells.len() as f64;
+    let got = script.agents[1].filter().cumulative_detection();
+    match (got - expected).abs() < 0.01 && (0.2..0.9).contains(&expected) {
+        true => Ok(()),
+        false => Err(format!("P(D) is {got}, not {expected}")),
+    }
+}
+
+/// Factors that come late, within the lag, make the belief of a target that walks what they make in time.
+///
+/// # Errors
+/// How far the beliefs are apart.
+pub fn check_late() -> Result<(), String> {
+    for kind in [BeliefKind::Grid, BeliefKind::Adaptive] {
+        let mut in_time = Script::walking(kind, 4.0);
+        let mut late = Script::walking(kind, 4.0);
+        for step in 0..16 {
+            in_time.step(Heard::All);
+            // Nothing is heard for a second, and then all of it.
+            late.step(if step % 4 == 3 { Heard::AllSoFar } else { Heard::Nothing });
+        }
+        let means = [&in_time, &late].map(|script| script.agents[0].filter().belief().gaussian());
+        let apart_m =
+            (means[0].mean[0] - means[1].mean[0]).hypot(means[0].mean[1] - means[1].mean[1]);
+        let ratio = means[0].sigma_m() / means[1].sigma_m();
+        let left_out = late.agents[0].filter().left_out();
+        // Cells of `adaptive` split by what is known at a step: its predictions differ a little.
+        let (far_m, other) = if kind == BeliefKind::Grid { (1e-6, 1e-6) } else { (0.5, 0.05) };
+        if apart_m > far_m || (ratio - 1.0).abs() > other || left_out > 0 {
+            return Err(format!(
+                "{kind:?}: {apart_m} m apart, deviations {ratio}, {left_out} left out"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// A pose with errors along track, across track, of the height, of yaw, pitch and roll.
+fn with_errors(pose: &Pose, e: [f64; 6]) -> Pose {
+    let (sin, cos) = pose.yaw_rad.sin_cos();
+    let [x, y, z] = pose.p_world;
+    Pose {
+        p_world: [x + e[0] * cos - e[1] * sin, y + e[0] * sin + e[1] * cos, z + e[2]],
+        yaw_rad: pose.yaw_rad + e[3],
+        pitch_rad: pose.pitch_rad + e[4],
+        roll_rad: pose.roll_rad + e[5],
+    }
+}
+
+/// (10): the image point of a place on the ground.
+pub fn image_of(camera: &CameraModel, pose: &Pose, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    camera.at(pose).project(&Vector3::new(x, y, 0.0))
+}
+
+fn ground_point(camera: &CameraModel, pose: &Pose, [c, r]: [f64; 2]) -> Option<[f64; 2]> {
+    camera.at(pose).ground_point(c, r)
+}
+
+/// A standard normal number (Box and Muller).
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    let radius = (-2.0 * (1.0 - rng.random::<f64>()).ln()).sqrt();
+    radius * (std::f64::consts::TAU * rng.random::<f64>()).cos()
+}
