@@ -27,6 +27,8 @@ const APART: f64 = 0.1;
 
 /// The same where all frames have detections.
 const APART_SEEN: f64 = 0.01;
+/// Beliefs of a target that walks, with the sides of their largest cells, metres.
+const WALKING: [(BeliefKind, f64); 2] = [(BeliefKind::Grid, 4.0), (BeliefKind::Adaptive, 12.5)];
 
 /// A frame, as it was reported.
 #[derive(Debug, Clone, Copy)]
@@ -244,8 +246,8 @@ fn check_found(script: &Script) -> Result<(), String> {
 /// # Errors
 /// How it grows.
 pub fn check_walk() -> Result<(), String> {
-    for kind in [BeliefKind::Grid, BeliefKind::Adaptive] {
-        let mut script = Script::walking(kind, 2.0);
+    for (kind, cell_m) in WALKING {
+        let mut script = Script::walking(kind, cell_m);
         (0..16).for_each(|_| drop(script.step(Heard::All)));
         let variance = |script: &Script| {
             let gaussian = script.agents[0].filter().belief().gaussian();
@@ -292,9 +294,9 @@ pub fn check_detection() -> Result<(), String> {
 /// # Errors
 /// How far the beliefs are apart.
 pub fn check_late() -> Result<(), String> {
-    for kind in [BeliefKind::Grid, BeliefKind::Adaptive] {
-        let mut in_time = Script::walking(kind, 4.0);
-        let mut late = Script::walking(kind, 4.0);
+    for (kind, cell_m) in WALKING {
+        let mut in_time = Script::walking(kind, cell_m);
+        let mut late = Script::walking(kind, cell_m);
         for step in 0..16 {
             in_time.step(Heard::All);
             // Nothing is heard for a second, and then all of it.
