@@ -51,8 +51,10 @@ enum Representation {
 
 use Representation as R;
 
-/// The weights of another agent's belief that fusion chooses from.
-const WEIGHTS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+/// The weights of another agent's belief that fusion chooses from, besides 0. An agent keeps half of its own belief:
+/// whoever took the surest belief for all that is known would believe the one that is wrong and sure, and fewer than
+/// 95 % of targets would be in 95 % regions.
+const WEIGHTS: [f64; 2] = [0.25, 0.5];
 
 impl Belief {
     /// The belief before the first frame: uniform over the region.
