@@ -49,7 +49,7 @@ fn lossy_links_cost_information_and_no_truth() {
 fn fused_beliefs_are_careful_and_their_product_is_not() {
     let chernoff = coverages("Chernoff", &Setting::of_beliefs(Fusion::Chernoff), MISSIONS);
     assert!(!chernoff.iter().any(|c| c.is_too_low()), "{chernoff:?}");
-    let product = coverages("product", &Setting::of_beliefs(Fusion::Product), MISSIONS);
+    let product = coverages("product", &Setting::of_beliefs(Fusion::Product), 40);
     assert!(product.last().is_some_and(|c| c.is_too_low()), "{product:?}");
 }
 

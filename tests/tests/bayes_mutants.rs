@@ -28,8 +28,10 @@ const QUICK: [(&str, Check); 4] = [
 ];
 
 /// The others.
-const SLOW: [(&str, Check); 2] =
-    [("equations", || equations::check_posterior().map(drop)), ("P(D)", equations::check_detection)];
+const SLOW: [(&str, Check); 2] = [
+    ("equations", || equations::check_posterior().map(drop)),
+    ("P(D)", equations::check_detection),
+];
 
 /// What notices the mistake that is switched on.
 fn noticed() -> Option<String> {

@@ -40,6 +40,9 @@ fn whatever_the_links_do_beliefs_are_products_and_healed_agents_agree() {
         let many = [corrupted, duplicated, late, crashes, old, repeated, relayed];
         let more = [sightings, products, equal, identical];
         assert!(many.iter().chain(&more).min() > Some(&10), "{exercise:?}");
-        assert!([stale, converged, tight, stationed, moving].iter().min() > Some(&2), "{exercise:?}");
+        assert!(
+            [stale, converged, tight, stationed, moving].iter().min() > Some(&2),
+            "{exercise:?}"
+        );
     }
 }

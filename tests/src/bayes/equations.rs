@@ -57,21 +57,23 @@ impl Model {
         Self { camera: script.scenario.camera, detector, sigma: pose.sigma, errors }
     }
 
-    /// p(z | x), up to what is the same for all x.
-    pub fn likelihood(&self, frame: &Frame, x: [f64; 2]) -> f64 {
+    /// p(z | x) as a function of x, up to what is the same for all x.
+    pub fn likelihood(&self, frame: &Frame) -> impl Fn([f64; 2]) -> f64 {
         let p_false = self.detector.p_false;
-        let Frame { pose, sighting } = frame;
-        let Some(z) = *sighting else {
-            // (5), (7): 1 − p(D, V | x) − P_false.
-            return 1.0 - self.mean(pose, |pose| self.p_seen(pose, x)) - p_false;
-        };
+        let Frame { pose, sighting } = *frame;
         // (3): what is not the target is uniform in the image.
         let of_false = p_false / self.size().iter().product::<f64>();
-        let detected = self.mean(pose, |pose| {
-            let place = ground_point(&self.camera, pose, z);
-            place.map_or(0.0, |place| self.p_detected(self.resolution(pose, place)))
+        let detected = sighting.map_or(0.0, |z| {
+            self.mean(&pose, |pose| {
+                let place = ground_point(&self.camera, pose, z);
+                place.map_or(0.0, |place| self.p_detected(self.resolution(pose, place)))
+            })
         });
-        self.density(pose, x, z) * detected + of_false
+        move |x| match sighting {
+            // (5), (7): 1 − p(D, V | x) − P_false.
+            None => 1.0 - self.mean(&pose, |pose| self.p_seen(pose, x)) - p_false,
+            Some(z) => self.density(&pose, x, z) * detected + of_false,
+        }
     }
 
     fn size(&self) -> [f64; 2] {
@@ -145,7 +147,8 @@ impl Model {
 
 /// The posterior of frames over cells, row by row from the south-west.
 fn posterior(model: &Model, cells: &[[f64; 2]], frames: &[Frame]) -> Vec<f64> {
-    let of = |x: &[f64; 2]| frames.iter().map(|frame| model.likelihood(frame, *x)).product();
+    let frames: Vec<_> = frames.iter().map(|frame| model.likelihood(frame)).collect();
+    let of = |x: &[f64; 2]| frames.iter().map(|frame| frame(*x)).product();
     normalised(cells.iter().map(of).collect())
 }
 
@@ -221,10 +224,14 @@ pub fn check_sightings() -> Result<f64, String> {
         let mut agent = newcomer(&script.scenario, 0);
         for (step, frame) in (0..).zip(&seen[..count]) {
             let now = SimTime::from_seconds(f64::from(step));
-            agent.handle_frame(now, &SensorFrame::of_detector(Step(step), frame.pose, frame.sighting));
+            agent.handle_frame(
+                now,
+                &SensorFrame::of_detector(Step(step), frame.pose, frame.sighting),
+            );
             agent.handle_timeout(now);
         }
-        worst = worst.max(apart(&believed(&agent, &cells), &posterior(&model, &cells, &seen[..count])));
+        worst =
+            worst.max(apart(&believed(&agent, &cells), &posterior(&model, &cells, &seen[..count])));
     }
     match seen.len() >= 4 && worst < APART_SEEN {
         true => Ok(worst),

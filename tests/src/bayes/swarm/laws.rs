@@ -216,7 +216,8 @@ impl<'a> Laws<'a> {
         for row in 0..grid.rows {
             for column in 0..grid.columns {
                 let x = grid.centre(column, row);
-                let in_sight = |frame: &&&Likelihood| frame.footprint().is_some_and(|f| f.contains(x));
+                let in_sight =
+                    |frame: &&&Likelihood| frame.footprint().is_some_and(|f| f.contains(x));
                 let frames = held.iter().filter(in_sight);
                 missed += frames.map(|frame| 1.0 - frame.p_detection(x)).product::<f64>();
             }
