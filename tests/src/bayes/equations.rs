@@ -255,7 +255,9 @@ fn check_found(script: &Script) -> Result<(), String> {
 pub fn check_walk() -> Result<(), String> {
     for (kind, cell_m) in WALKING {
         let mut script = Script::walking(kind, cell_m);
-        (0..16).for_each(|_| drop(script.step(Heard::All)));
+        for _ in 0..16 {
+            script.step(Heard::All);
+        }
         let variance = |script: &Script| {
             let gaussian = script.agents[0].filter().belief().gaussian();
             [gaussian.covariance[0], gaussian.covariance[2]]

@@ -101,18 +101,23 @@ impl Ledger {
         let mut reject = |reason: &str| *life.rejected.entry(reason.to_owned()).or_default() += 1;
         let envelope = match Envelope::decode(&arrival.bytes) {
             Ok(envelope) => envelope,
-            Err(_) => return Ok(reject("damaged")),
+            Err(_) => {
+                reject("damaged");
+                return Ok(());
+            }
         };
         let Envelope { src, incarnation, step, .. } = envelope;
         let age_s = f64::from(now.step.0.saturating_sub(step.0)) * now.period_s;
         if age_s > now.max_age_s {
             exercise.old += 1;
-            return Ok(reject("too-old"));
+            reject("too-old");
+            return Ok(());
         }
         let known = life.believed.entry(src).or_default();
         if incarnation < *known {
             exercise.stale += 1;
-            return Ok(reject("incarnation"));
+            reject("incarnation");
+            return Ok(());
         }
         *known = incarnation;
         let message: Message = decode_whole(&envelope.body).ok_or("a body that does not decode")?;
