@@ -2,7 +2,7 @@
 //!
 //! The value of a cell is the whole evidence at its centre, however long ago the cell was split, so for a target
 //! that stands the belief is a function of the set of factors. Which cells are split is decided anew after each
-//! update, from the top down: a cell that holds more than [`MAX_SHARE`] of the probability is split, and so are
+//! update, from the top down: a cell that holds more than `MAX_SHARE` of the probability is split, and so are
 //! the eight around it, because the probability at the centre of a cell says little of a peak at its border.
 
 use std::sync::Arc;
