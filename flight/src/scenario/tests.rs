@@ -422,7 +422,7 @@ fn a_coarse_camera_is_a_warning_and_a_useless_one_a_mistake() {
 fn a_radio_that_carries_nothing_is_a_mistake() {
     assert_eq!(
         set_mistake(&["netem.radoi.range_m=10"]),
-        "error: radio `radoi` carries nothing: no entry of exchange.channels names it\n --> --set\n \
+        "error: radio `radoi` carries nothing: nothing in exchange.channels names it\n --> --set\n \
          |\n | netem.radoi.range_m=10\n |       ^^^^^\n = expected `radio`, or \
          exchange.channels.facts, snapshots or plans = \"radoi\"\n = did you mean `radio`?\n"
     );

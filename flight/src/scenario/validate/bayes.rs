@@ -9,6 +9,7 @@ use csat_proto::model::{Driving, VehicleKind};
 use csat_world::map::MapKind;
 use csat_world::navigation::{NavigationModel, Noise};
 
+use super::exchange::idle_radios;
 use super::{Check, Issue, Scenario};
 use crate::scenario::bayes::Tables;
 
@@ -214,14 +215,15 @@ fn exchange(
         "`snapshot` with belief.kind = \"particles\"",
         "`facts` or `facts+repair`, or belief.kind = \"grid\" or \"adaptive\": particles cannot be fused",
     );
-    let name = &exchange.channel;
-    let is_known = scenario.netem.channel_id(name).is_some();
+    let (name, netem) = (&exchange.channel, &scenario.netem);
+    let is_known = netem.channel_id(name).is_some();
     check.that(
         is_known,
         &["exchange.channel"],
         &format!("`{name}`"),
         "the name of a radio of [netem]",
     );
+    idle_radios(check, netem, &[name], ["exchange.channel", "exchange.channel"]);
 }
 
 fn guidance(check: &mut Check, guidance: &GuidanceConfig, scenario: &Scenario) {

@@ -56,18 +56,21 @@ pub(super) fn judge(
         check.that(netem.channel_id(name).is_some(), &[key], &got, &expected);
     }
     let ChannelNames { facts, snapshots, plans } = &exchange.channels;
-    idle_radios(check, netem, &[facts, snapshots, plans]);
+    let keys = ["exchange.channels", "exchange.channels.facts, snapshots or plans"];
+    idle_radios(check, netem, &[facts, snapshots, plans], keys);
 }
 
-/// A radio that is not in `used` is a name mistyped: the radio that was meant keeps its
+/// A radio that is not in `used`, the values of some keys, is a name mistyped: the radio that was meant keeps its
 /// defaults, and a mission over other links than asked for would be flown without a word.
-fn idle_radios(check: &mut Check, netem: &NetemConfig, used: &[&str]) {
+pub(super) fn idle_radios(
+    check: &mut Check,
+    netem: &NetemConfig,
+    used: &[&str],
+    [table, keys]: [&str; 2],
+) {
     for name in netem.channels.keys().filter(|name| !used.contains(&name.as_str())) {
-        let text =
-            format!("radio `{name}` carries nothing: no entry of exchange.channels names it");
-        let mut mistake = Mistake::new(text).expected(format!(
-            "`{RADIO}`, or exchange.channels.facts, snapshots or plans = \"{name}\""
-        ));
+        let text = format!("radio `{name}` carries nothing: nothing in {table} names it");
+        let mut mistake = Mistake::new(text).expected(format!("`{RADIO}`, or {keys} = \"{name}\""));
         if let Some(guess) = did_you_mean(name, netem.channel_names().filter(|other| other != name))
         {
             mistake = mistake.help(guess);
