@@ -29,4 +29,20 @@ impl Gaussian {
     pub fn sigma_m(&self) -> f64 {
         (self.covariance[0] + self.covariance[2]).max(0.0).sqrt()
     }
+
+    /// The ellipse of `radius` standard deviations as a ring of `corners` points, `world`, metres.
+    pub fn ellipse(&self, radius: f64, corners: u32) -> Vec<[f64; 2]> {
+        let [xx, xy, yy] = self.covariance;
+        // Cholesky: a circle becomes the ellipse.
+        let a = xx.max(0.0).sqrt();
+        let b = if a > 0.0 { xy / a } else { 0.0 };
+        let c = (yy - b * b).max(0.0).sqrt();
+        let [x, y] = self.mean;
+        let corner = |i: u32| {
+            let angle = f64::from(i) / f64::from(corners) * std::f64::consts::TAU;
+            let [u, v] = [angle.cos(), angle.sin()].map(|part| radius * part);
+            [x + a * u, y + b * u + c * v]
+        };
+        (0..corners).map(corner).collect()
+    }
 }

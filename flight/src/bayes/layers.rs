@@ -176,18 +176,8 @@ fn cells(region: &CellSet) -> Cells {
 
 /// The points at which the normal density has fallen so far that 95 % is inside.
 fn ellipse(estimate: &Gaussian) -> Area {
-    let [xx, xy, yy] = estimate.covariance;
-    // Cholesky: a circle of radius √5.991 becomes the ellipse.
-    let a = xx.max(0.0).sqrt();
-    let b = if a > 0.0 { xy / a } else { 0.0 };
-    let c = (yy - b * b).max(0.0).sqrt();
-    let corner = |i: u32| {
-        let (sin, cos) = (f64::from(i) / f64::from(CORNERS) * std::f64::consts::TAU).sin_cos();
-        let (u, v) = (ELLIPSE.sqrt() * cos, ELLIPSE.sqrt() * sin);
-        let [x, y] = estimate.mean;
-        [x + a * u, y + b * u + c * v].map(to_millimetre)
-    };
-    let ring: Ring = (0..CORNERS).map(corner).collect();
+    let ring = estimate.ellipse(ELLIPSE.sqrt(), CORNERS);
+    let ring: Ring = ring.into_iter().map(|p| p.map(to_millimetre)).collect();
     let [x, y] = estimate.mean.map(to_millimetre);
     Area {
         shapes: vec![vec![ring]],

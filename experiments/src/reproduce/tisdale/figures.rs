@@ -153,7 +153,7 @@ fn ellipses(seen: &Tisdale) -> String {
             _ => curves.estimates.last().copied(),
         };
         if let Some(estimate) = estimate {
-            marks.push(Mark::Ring(ellipse(&estimate), series, kind.name.to_owned()));
+            marks.push(Mark::Ring(estimate.ellipse(1.0, CORNERS), series, kind.name.to_owned()));
             marks.push(Mark::Cross(estimate.mean, series));
         }
     }
@@ -219,19 +219,6 @@ fn raster(cells: u32, cell_m: f64, origin_m: [f64; 2], of: impl Fn([f64; 2]) -> 
     let centre = |axis: usize, index: u32| origin_m[axis] + (f64::from(index) + 0.5) * cell_m;
     let places = (0..cells).flat_map(|row| (0..cells).map(move |column| (column, row)));
     places.map(|(column, row)| of([centre(0, column), centre(1, row)])).collect()
-}
-
-/// The ellipse of one standard deviation.
-fn ellipse(estimate: &Gaussian) -> Vec<[f64; 2]> {
-    let [xx, xy, yy] = estimate.covariance;
-    let a = xx.max(1e-12).sqrt();
-    let b = xy / a;
-    let c = (yy - b * b).max(0.0).sqrt();
-    let corner = |i: u32| {
-        let (sin, cos) = (f64::from(i) / f64::from(CORNERS) * std::f64::consts::TAU).sin_cos();
-        [estimate.mean[0] + a * cos, estimate.mean[1] + b * cos + c * sin]
-    };
-    (0..CORNERS).map(corner).collect()
 }
 
 /// Five places from end to end.
