@@ -103,11 +103,16 @@ fn conclude(
 fn manifest(arguments: &ReproduceArguments, plan: &Plan) -> anyhow::Result<Manifest> {
     let request = plan.request(seeds(arguments, "1..10")?, &sets(arguments));
     let request = request.map_err(SweepError::Mistakes)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(arguments.jobs)).build();
-    let pool = pool.context("cannot start the threads")?;
+    let pool = pool(arguments)?;
     let (manifest, warnings) = pool.install(|| check::manifest(request))?;
     warn(&warnings, "from `csat check` with the values of a run");
     Ok(manifest)
+}
+
+/// The threads that were asked for.
+fn pool(arguments: &ReproduceArguments) -> anyhow::Result<rayon::ThreadPool> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(arguments.jobs)).build();
+    pool.context("cannot start the threads")
 }
 
 fn seeds(arguments: &ReproduceArguments, usual: &str) -> Result<Vec<u64>, SweepError> {
@@ -162,22 +167,12 @@ fn look(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
     let warnings: Vec<String> = warnings.iter().map(|w| w.render("warning")).collect();
     warn(&warnings, "from `csat check` with the same values");
     let place = Place::take(root(arguments, "chapter4")?, arguments.resume)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(arguments.jobs)).build();
-    let pool = pool.context("cannot start the threads")?;
+    let pool = pool(arguments)?;
     let seen = pool.install(|| Chapter4::look(&scenario, &seeds));
-    let mut again = "csat reproduce chapter4".to_owned();
-    again += &arguments.seeds.iter().map(|seeds| format!(" --seeds {seeds}")).collect::<String>();
-    again += &sets.iter().map(|set| format!(" --set {}", quoted(set))).collect::<String>();
     let mut tables = seen.tables();
     tables.iter_mut().for_each(|table| table.not_published = deviations.banner());
-    let files = [
-        (TABLES, text(&tables)),
-        (TABLES_JSON, json(&tables)?),
-        (REPORT, seen.html(&tables, &again)),
-    ];
-    let root = place.fill(&files)?;
-    tell(arguments, &tables, &format!("{} looks per setting", seeds.len()), &root)?;
-    Ok(DONE)
+    let page = seen.html(&tables, &again(arguments, "chapter4", &sets));
+    write(arguments, place, &tables, page, &format!("{} looks per setting", seeds.len()))
 }
 
 /// Tisdale et al.: flights that are no sweep, as the frames of each are filtered many times.
@@ -195,24 +190,35 @@ fn search(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
     let warnings: Vec<String> = warnings.iter().map(|w| w.render("warning")).collect();
     warn(&warnings, "from `csat check tisdale` with the same values");
     let place = Place::take(root(arguments, "tisdale")?, arguments.resume)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs(arguments.jobs)).build();
-    let pool = pool.context("cannot start the threads")?;
+    let pool = pool(arguments)?;
     let style = progress::style("{wide_bar} {pos}/{len} flights");
     let bar = progress::bar(scenarios.len() as u64, style, arguments.json);
     let seen = pool.install(|| Tisdale::fly(scenarios, || bar.inc(1)));
     bar.finish_and_clear();
-    let mut again = "csat reproduce tisdale".to_owned();
-    again += &arguments.seeds.iter().map(|seeds| format!(" --seeds {seeds}")).collect::<String>();
-    again += &sets.iter().map(|set| format!(" --set {}", quoted(set))).collect::<String>();
     let mut tables = seen.tables();
     tables.iter_mut().for_each(|table| table.not_published = deviations.banner());
-    let files = [
-        (TABLES, text(&tables)),
-        (TABLES_JSON, json(&tables)?),
-        (REPORT, seen.html(&tables, &again)),
-    ];
+    let page = seen.html(&tables, &again(arguments, "tisdale", &sets));
+    write(arguments, place, &tables, page, &format!("{} flights", seen.count()))
+}
+
+/// The command that makes a reproduction again.
+fn again(arguments: &ReproduceArguments, name: &str, sets: &[String]) -> String {
+    let seeds = arguments.seeds.iter().map(|seeds| format!(" --seeds {seeds}"));
+    let sets = sets.iter().map(|set| format!(" --set {}", quoted(set)));
+    format!("csat reproduce {name}{}", seeds.chain(sets).collect::<String>())
+}
+
+/// Writes the tables and the page of a reproduction that is no sweep, and says what they say of so `many`.
+fn write(
+    arguments: &ReproduceArguments,
+    place: Place,
+    tables: &[Table],
+    page: String,
+    many: &str,
+) -> anyhow::Result<u8> {
+    let files = [(TABLES, text(tables)), (TABLES_JSON, json(tables)?), (REPORT, page)];
     let root = place.fill(&files)?;
-    tell(arguments, &tables, &format!("{} flights", seen.count()), &root)?;
+    tell(arguments, tables, many, &root)?;
     Ok(DONE)
 }
 
