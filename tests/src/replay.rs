@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::Write;
 use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -17,6 +18,18 @@ pub fn for_seeds(test: [&'static str; 2], seeds: Range<u64>, mut check: impl FnM
         let _announce = Announce { test, seed };
         check(seed);
     }
+}
+
+/// What a mission comes to; a panic of an agent is an error as well.
+///
+/// # Errors
+/// Those of the mission, and the text of a panic.
+pub fn caught<T>(fly: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(fly)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().cloned();
+        let text = text.or_else(|| panic.downcast_ref::<&str>().map(|t| (*t).to_owned()));
+        Err(format!("panicked: {}", text.unwrap_or_default()))
+    })
 }
 
 /// Whether a single seed is replayed, so that counts over all seeds have no meaning.

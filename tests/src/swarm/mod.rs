@@ -18,11 +18,10 @@ pub mod faulty;
 mod laws;
 mod merge;
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use csat_mission::engine::Engine;
 
 use crate::missions::world_of;
+use crate::replay::caught;
 use converge::Settling;
 use draw::Draw;
 use faulty::Faulty;
@@ -105,11 +104,7 @@ impl Exercise {
 /// well.
 pub fn fly(seed: u64) -> Result<Exercise, String> {
     let draw = Draw::new(seed);
-    catch_unwind(AssertUnwindSafe(|| fly_drawn(&draw))).unwrap_or_else(|panic| {
-        let text = panic.downcast_ref::<String>().cloned();
-        let text = text.or_else(|| panic.downcast_ref::<&str>().map(|t| (*t).to_owned()));
-        Err(format!("panicked: {}", text.unwrap_or_default()))
-    })
+    caught(|| fly_drawn(&draw))
 }
 
 fn fly_drawn(draw: &Draw) -> Result<Exercise, String> {

@@ -12,14 +12,13 @@ pub mod draw;
 mod factors;
 mod laws;
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use csat_flight::bayes::Bayes;
 use csat_flight::scenario::missions::Offered;
 use csat_mission::engine::Engine;
 use csat_netem::config::NetemConfig;
 
 use crate::missions::world_of;
+use crate::replay::caught;
 use draw::Draw;
 use laws::Laws;
 
@@ -102,11 +101,7 @@ impl Exercise {
 /// The first law that did not hold, with the step and the values; a panic of an agent is an error as well.
 pub fn fly(seed: u64) -> Result<Exercise, String> {
     let draw = Draw::new(seed);
-    catch_unwind(AssertUnwindSafe(|| fly_drawn(&draw))).unwrap_or_else(|panic| {
-        let text = panic.downcast_ref::<String>().cloned();
-        let text = text.or_else(|| panic.downcast_ref::<&str>().map(|t| (*t).to_owned()));
-        Err(format!("panicked: {}", text.unwrap_or_default()))
-    })
+    caught(|| fly_drawn(&draw))
 }
 
 fn fly_drawn(draw: &Draw) -> Result<Exercise, String> {
