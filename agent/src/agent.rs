@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::Pose;
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::envelope::Envelope;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, TargetId};
@@ -77,7 +77,7 @@ pub struct SetMembershipAgent {
     rejected: BTreeMap<&'static str, u64>,
     /// The reasons that were reported, with the senders of the messages.
     reported: BTreeSet<(&'static str, Option<AgentId>)>,
-    commands: VecDeque<YawCommand>,
+    commands: VecDeque<Command>,
     events: VecDeque<Event>,
     now: SimTime,
     /// Whether a plan of another UAV arrived since the last [`Agent::handle_timeout`].
@@ -358,7 +358,7 @@ impl SetMembershipAgent {
             self.events.extend(is_lost.then_some(Event::NoWayOut { step: pass.step }));
             let yaw_rad = yaw_rad + turn_rad;
             self.commanded_yaw_rad = Some(yaw_rad);
-            self.commands.push_back(YawCommand { yaw_rad });
+            self.commands.push_back(Command::Yaw { yaw_rad });
         }
     }
 
@@ -394,7 +394,7 @@ impl SetMembershipAgent {
 }
 
 impl Agent for SetMembershipAgent {
-    type Command = YawCommand;
+    type Command = Command;
     type Event = Event;
 
     fn handle_frame(&mut self, now: SimTime, frame: &Frame) {
@@ -461,7 +461,7 @@ impl Agent for SetMembershipAgent {
         self.transmitter.answer(now, self.pose, &self.knowledge, held, hidden)
     }
 
-    fn poll_command(&mut self) -> Option<YawCommand> {
+    fn poll_command(&mut self) -> Option<Command> {
         self.commands.pop_front()
     }
 

@@ -54,7 +54,7 @@
 //! let [first, second] = &mut agents;
 //! while let Some(sent) = first.poll_transmit() {
 //!     let bytes = sent.bytes.into();
-//!     let message = Reception { channel: sent.channel, at: now, bearing_rad: 0.0, bytes };
+//!     let message = Reception { channel: sent.channel, at: now, bearing_rad: 0.0, offset_m: None, bytes };
 //!     second.handle_message(now, &message);
 //! }
 //! assert!(second.poll_timeout().is_some_and(|at| at <= now));

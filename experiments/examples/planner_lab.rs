@@ -18,7 +18,7 @@ use csat_experiments::scenario::{self, Loaded, Request};
 use csat_experiments::set_membership::SetMembership;
 use csat_mission::mission::Mission;
 use csat_proto::camera::Pose;
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::{Grid, Raster};
@@ -237,7 +237,7 @@ impl Lab {
         }
         for ((yaw_rad, turn), id) in self.yaws.iter_mut().zip(turns).zip(0..) {
             *yaw_rad += turn;
-            let command = YawCommand { yaw_rad: *yaw_rad };
+            let command = Command::Yaw { yaw_rad: *yaw_rad };
             self.world.command(AgentId(id), command).expect("a UAV of the fleet");
         }
     }

@@ -188,7 +188,7 @@ fn a_mission_adds_to_the_world() {
 /// Poses and targets after ten steps.
 fn flown(sets: &[&str]) -> (Vec<Pose>, Vec<[f64; 2]>) {
     let mut world = other_with(sets).unwrap_or_else(|error| panic!("{error}")).world;
-    let turn = csat_proto::command::YawCommand { yaw_rad: 1.0 };
+    let turn = csat_proto::command::Command::Yaw { yaw_rad: 1.0 };
     world.command(AgentId(0), turn).unwrap();
     (0..10).for_each(|_| world.advance());
     (world.poses(), world.targets().iter().map(|target| target.location).collect())

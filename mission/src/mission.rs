@@ -6,7 +6,7 @@ use std::fmt::Debug;
 
 use csat_proto::agent::Agent;
 use csat_proto::camera::{CameraModel, Pose};
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::Step;
 use csat_world::sensor::SensorModel;
@@ -25,7 +25,7 @@ use crate::style::Style;
 /// nothing else.
 pub trait Mission: Clone + Send + Sync + 'static {
     /// The agent.
-    type Agent: Agent<Command = YawCommand, Event: Serialize + DeserializeOwned + Sync> + Sync;
+    type Agent: Agent<Command = Command, Event: Serialize + DeserializeOwned + Sync> + Sync;
 
     /// What an agent's observers get to know of it at the end of a step.
     type Report: Report;

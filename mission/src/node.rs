@@ -5,16 +5,17 @@
 //! process or in many.
 
 use std::collections::VecDeque;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use csat_netem::fate::Sent;
 use csat_netem::link::{Arrival, Links};
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::Pose;
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
-use csat_proto::radio::{PhysicalHeader, Reception, bearing_rad};
+use csat_proto::radio::{self, PhysicalHeader, Reception};
 use csat_proto::time::{SimTime, Step};
 
 use crate::fleet::{Flown, Passage};
@@ -170,12 +171,7 @@ impl<M: Mission> Node<M> {
         while let Some(arrival) = self.links.receive(now) {
             // A crashed agent reads nothing.
             if self.is_alive {
-                self.received.push(Reception {
-                    channel: arrival.channel,
-                    at: arrival.at,
-                    bearing_rad: bearing_rad(&self.pose, arrival.src_p_world),
-                    bytes: arrival.bytes.clone(),
-                });
+                self.received.push(reception(&self.pose, &arrival));
             }
             self.arrivals.push(arrival);
         }
@@ -202,12 +198,12 @@ impl<M: Mission> Node<M> {
         }
         self.outbox.extend(std::iter::from_fn(|| self.agent.poll_transmit()));
         let commands = std::iter::from_fn(|| self.agent.poll_command());
-        self.commands.extend(commands.filter(|YawCommand { yaw_rad }| {
+        self.commands.extend(commands.filter(|command: &Command| {
             // In one process as in many: such a number would not survive the way to the world.
-            if !yaw_rad.is_finite() {
-                tracing::error!(agent = %self.id, yaw_rad, "a command that is no heading is dropped");
+            if !command.is_finite() {
+                tracing::error!(agent = %self.id, ?command, "a command that is no number is dropped");
             }
-            yaw_rad.is_finite()
+            command.is_finite()
         }));
         self.events.extend(std::iter::from_fn(|| self.agent.poll_event()));
         let said = |Transmit { channel, sequence, bytes }| Said {
@@ -257,5 +253,25 @@ impl<M: Mission> Node<M> {
     /// Everything the agent knows, or knew when it crashed.
     pub fn show(&mut self, mission: &M) -> M::Report {
         mission.report(&mut self.agent, Detail::Full)
+    }
+}
+
+/// A message as an agent at `pose`, in truth, receives it: with what it measures of the sender.
+fn reception(pose: &Pose, arrival: &Arrival) -> Reception {
+    let &Arrival { at, channel, src_p_world, measured, ref bytes, .. } = arrival;
+    let bearing_rad = radio::bearing_rad(pose, src_p_world) + measured.bearing_error_rad;
+    let offset = |axis: usize, error_m: f64| src_p_world[axis] - pose.p_world[axis] + error_m;
+    let offset_m = measured.offset_error_m.map(|[east, north]| [offset(0, east), offset(1, north)]);
+    Reception { channel, at, bearing_rad: wrapped(bearing_rad), offset_m, bytes: bytes.clone() }
+}
+
+/// An angle in [-2π, 2π] in (-π, π].
+fn wrapped(angle_rad: f64) -> f64 {
+    if angle_rad > PI {
+        angle_rad - TAU
+    } else if angle_rad <= -PI {
+        angle_rad + TAU
+    } else {
+        angle_rad
     }
 }

@@ -1,7 +1,7 @@
 //! The random numbers that belong to a message.
 //!
 //! ChaCha8 keyed by seed, link, incarnation and channel gives one block of 32 words per sequence
-//! number. Each purpose has two words of the block at a fixed place; half of the words are free. No
+//! number. Each purpose has two words of the block at a fixed place; a third of the words is free. No
 //! number is drawn in sequence, so none depends on which other messages are sent.
 
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
@@ -29,14 +29,20 @@ pub enum Purpose {
     Delay = 6,
     /// Which byte is damaged, and how.
     Damage = 7,
+    /// The error of the bearing.
+    Bearing = 8,
+    /// The error of the offset to the east.
+    OffsetEast = 9,
+    /// The error of the offset to the north.
+    OffsetNorth = 10,
 }
 
 impl Purpose {
     /// The last purpose.
-    const LAST: Self = Self::Damage;
+    const LAST: Self = Self::OffsetNorth;
 }
 
-/// Words of a block. A change of it changes every fate, so there is room for as many purposes again.
+/// Words of a block. A change of it changes every fate, so there is room for more purposes.
 const WORDS: usize = 32;
 const _: () = assert!(2 * (Purpose::LAST as usize + 1) <= WORDS, "a purpose without words");
 /// Blocks that the generator makes at once: two take about as long as one.

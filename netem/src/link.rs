@@ -9,7 +9,7 @@ use csat_proto::time::SimTime;
 
 use crate::config::{ChannelConfig, NetemConfig, RateConfig};
 use crate::counters::{Counters, LinkCounters};
-use crate::draw::Block;
+use crate::draw::{Block, Purpose};
 use crate::fate::{Delivery, Fate, Reason, Sent, after};
 use crate::outage::Outages;
 use crate::propagation::Obstruction;
@@ -30,8 +30,48 @@ pub struct Arrival {
     pub channel: ChannelId,
     /// Where the sender was when it sent, `world`, metres.
     pub src_p_world: [f64; 3],
+    /// What the receiver measures of the sender, and how wrong.
+    pub measured: Measured,
     /// The encoded envelope.
     pub bytes: Arc<[u8]>,
+}
+
+/// What a receiver measures of the sender of a message: how far off it is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Measured {
+    /// The error of the bearing, radians.
+    pub bearing_error_rad: f64,
+    /// The error of the offset, east and north, metres; `None` where it is not measured.
+    pub offset_error_m: Option<[f64; 2]>,
+}
+
+/// The most by which receivers of a channel err.
+#[derive(Debug, Clone, Copy)]
+struct Bounds {
+    bearing_rad: f64,
+    offset_m: Option<f64>,
+}
+
+impl Bounds {
+    fn new(channel: &ChannelConfig) -> Self {
+        let bearing_rad = channel.bearing_error_deg.to_radians();
+        Self { bearing_rad, offset_m: channel.offset_error_m }
+    }
+
+    /// Whether nothing has to be drawn.
+    fn is_exact(&self) -> bool {
+        self.bearing_rad == 0.0 && self.offset_m.is_none()
+    }
+
+    /// Errors uniform within the bounds.
+    fn draw(&self, block: &Block) -> Measured {
+        let within = |bound: f64, purpose| bound * (2.0 * block.uniform(purpose) - 1.0);
+        let axes = [Purpose::OffsetEast, Purpose::OffsetNorth];
+        Measured {
+            bearing_error_rad: within(self.bearing_rad, Purpose::Bearing),
+            offset_error_m: self.offset_m.map(|bound| axes.map(|axis| within(bound, axis))),
+        }
+    }
 }
 
 /// Sender, receiver and channel.
@@ -57,6 +97,7 @@ pub struct Links {
 /// The parameters of a channel.
 struct ChannelRules {
     rate: RateConfig,
+    errors: Bounds,
     rules: Vec<Box<dyn Rule>>,
 }
 
@@ -73,6 +114,7 @@ struct InFlight {
     order: ArrivalOrder,
     sent_at: SimTime,
     src_p_world: [f64; 3],
+    measured: Measured,
     corrupted: bool,
     bytes: Arc<[u8]>,
 }
@@ -139,7 +181,7 @@ impl Links {
         let channel = |(index, (_, channel)): (usize, (&str, &ChannelConfig))| {
             let id = ChannelId(u8::try_from(index).ok()?);
             let rules = rules(config, id, channel, self.obstruction.as_ref());
-            Some(ChannelRules { rate: channel.rate, rules })
+            Some(ChannelRules { rate: channel.rate, errors: Bounds::new(channel), rules })
         };
         self.channels = config.all_channels().enumerate().map_while(channel).collect();
     }
@@ -152,6 +194,11 @@ impl Links {
         self.counters.bytes_sent += if is_new { size } else { 0 };
         let link = self.links.entry((sent.src, sent.dst, sent.channel)).or_default();
         link.counters.count_sent(&fate, size, sent.distance_m());
+        let errors = self.channels.get(usize::from(sent.channel.0)).map(|channel| channel.errors);
+        let measured = match errors.filter(|errors| !errors.is_exact()) {
+            Some(errors) => errors.draw(&link.block(self.seed, sent)),
+            None => Measured::default(),
+        };
         for (index, copy) in fate.copies().enumerate() {
             let Ok(Delivery { at, corrupted }) = copy else { continue };
             let bytes = match corrupted {
@@ -166,6 +213,7 @@ impl Links {
                 order,
                 sent_at,
                 src_p_world,
+                measured,
                 corrupted,
                 bytes,
             }));
@@ -190,13 +238,13 @@ impl Links {
             return None;
         }
         let Reverse(message) = self.in_flight.pop()?;
-        let InFlight { order, sent_at, src_p_world, corrupted, bytes } = message;
+        let InFlight { order, sent_at, src_p_world, measured, corrupted, bytes } = message;
         let ArrivalOrder { at, src, dst, channel, .. } = order;
         self.counters.count_arrival(corrupted);
         let link = self.links.entry((src, dst, channel)).or_default();
         let size = bytes.len() as u64;
         link.counters.count_arrival(corrupted, size, at.seconds_since(sent_at));
-        Some(Arrival { at, src, dst, channel, src_p_world, bytes })
+        Some(Arrival { at, src, dst, channel, src_p_world, measured, bytes })
     }
 
     /// The counters of all links together.

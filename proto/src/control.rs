@@ -7,13 +7,13 @@
 use serde::{Deserialize, Serialize};
 
 use crate::camera::{CameraModel, Pose};
-use crate::command::YawCommand;
+use crate::command::Command;
 use crate::frame::{Detection, Label, PixelBox};
 use crate::ids::{AgentId, Incarnation, MAX_TARGETS, RunId, TargetId};
 use crate::time::{SimTime, Step};
 
 /// The version of this protocol; processes with another version are refused.
-pub const PROTOCOL: u32 = 3;
+pub const PROTOCOL: u32 = 4;
 
 /// The most messages that an agent sends on a radio per step, averaged over its incarnation: greater
 /// sequence numbers are forged.
@@ -400,7 +400,7 @@ pub struct Done {
     /// When the process has something to do next; `None` for never.
     pub due: Option<SimTime>,
     /// Commands to the UAV.
-    pub commands: Vec<YawCommand>,
+    pub commands: Vec<Command>,
 }
 
 #[cfg(test)]

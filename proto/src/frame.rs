@@ -18,6 +18,9 @@ pub enum Label {
     Obstacle = 2,
     /// Every ray through the pixel meets one target.
     Target = 3,
+    /// The middle of the pixel is on a road, as far as the segmentation can tell: what a camera that segments
+    /// roads says instead of Ground.
+    Road = 4,
 }
 
 /// An axis-aligned box of pixels, bounds inclusive, 0-based.

@@ -28,7 +28,7 @@ pub enum PixelsError {
         expected: usize,
     },
     /// There is no such label.
-    #[error("pixels of label {got}, expected 0 to 3")]
+    #[error("pixels of label {got}, expected 0 to 4")]
     Label {
         /// The label.
         got: u32,
@@ -86,6 +86,7 @@ pub fn decode(bytes: &[u8], pixels: usize) -> Result<(Vec<Label>, Vec<u16>), Pix
             1 => Label::Ground,
             2 => Label::Obstacle,
             3 => Label::Target,
+            4 => Label::Road,
             got => return Err(PixelsError::Label { got }),
         };
         labels.resize(labels.len() + (run >> 8) as usize, label);
@@ -131,8 +132,8 @@ mod tests {
         let long = [&bytes[..], &[0]].concat();
         assert_eq!(decode(&long, 8), Err(PixelsError::Length { got: 33, expected: 32 }));
         let mut unknown = bytes.clone();
-        unknown[4] = 4;
-        assert_eq!(decode(&unknown, 8), Err(PixelsError::Label { got: 4 }));
+        unknown[4] = 5;
+        assert_eq!(decode(&unknown, 8), Err(PixelsError::Label { got: 5 }));
         let huge = [u32::MAX.to_le_bytes(), [0; 4]].concat();
         assert!(matches!(decode(&huge, 8), Err(PixelsError::Length { .. })));
     }

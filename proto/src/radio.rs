@@ -35,6 +35,10 @@ pub struct Reception {
     /// The angle of arrival: from the receiver's nose to the position of the sender when it sent, in
     /// the horizontal plane, counter-clockwise, radians in (-π, π].
     pub bearing_rad: f64,
+    /// Where the sender was when it sent, from where the receiver is now, east and north, metres: what a
+    /// receiver gets from the registration of images or from ranging. `None` on a channel that does not measure
+    /// it.
+    pub offset_m: Option<[f64; 2]>,
     /// The encoded [`Envelope`](crate::envelope::Envelope).
     pub bytes: Arc<[u8]>,
 }

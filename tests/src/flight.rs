@@ -5,7 +5,7 @@ use csat_agent::agent::Event;
 use csat_experiments::scenario::Scenario;
 use csat_experiments::set_membership::SetMembership;
 use csat_mission::mission::Mission;
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_world::camera::Renderer;
@@ -88,7 +88,7 @@ impl Flight {
         let mut commands = std::mem::take(&mut self.pair.commands);
         if let Some(script) = self.script {
             let step = self.world.step().0;
-            let command = |i| (AgentId(i), YawCommand { yaw_rad: script(step, i) });
+            let command = |i| (AgentId(i), Command::Yaw { yaw_rad: script(step, i) });
             commands = (0..self.renderers.len() as u16).map(command).collect();
         }
         for (id, command) in commands {

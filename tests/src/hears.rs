@@ -10,7 +10,10 @@ pub trait Hears: Agent {
     /// A message arrives at `now` on the first radio, from straight ahead.
     fn hear(&mut self, now: SimTime, bytes: &[u8]) {
         let (channel, bytes) = (ChannelId(0), bytes.into());
-        self.handle_message(now, &Reception { channel, at: now, bearing_rad: 0.0, bytes });
+        self.handle_message(
+            now,
+            &Reception { channel, at: now, bearing_rad: 0.0, offset_m: None, bytes },
+        );
     }
 }
 

@@ -5,7 +5,7 @@ use crate::hears::Hears;
 use csat_agent::agent::{Event, SetMembershipAgent};
 use csat_agent::config::AgentConfig;
 use csat_proto::agent::Agent;
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::{SimTime, Step};
@@ -42,7 +42,7 @@ pub struct Pair {
     /// Every event so far.
     pub events: Vec<(AgentId, Event)>,
     /// Commands not yet taken.
-    pub commands: Vec<(AgentId, YawCommand)>,
+    pub commands: Vec<(AgentId, Command)>,
     /// Every packet that was sent since [`Self::keep_packets`] was called.
     pub packets: Vec<Packet>,
     keeps_letters: bool,

@@ -1,7 +1,7 @@
 //! How UAVs move.
 
 use csat_proto::camera::Pose;
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::fixed_wing::FixedWing;
 use csat_proto::model::{FleetModel, Ground, VehicleKind};
 
@@ -9,13 +9,13 @@ mod quadcopter;
 
 use quadcopter::Quadcopter;
 
-/// A vehicle that carries a camera and follows yaw commands.
+/// A vehicle that carries a camera and follows commands.
 pub trait Vehicle: std::fmt::Debug + Send + Sync {
     /// Its current pose.
     fn pose(&self) -> Pose;
 
-    /// Follows this command from now on.
-    fn command(&mut self, command: YawCommand);
+    /// Follows this command from now on, if it is of the kind that the vehicle follows; returns whether it is.
+    fn command(&mut self, command: Command) -> bool;
 
     /// Lets `dt_s` seconds pass.
     fn advance(&mut self, dt_s: f64);
@@ -41,8 +41,10 @@ impl Vehicle for FixedWing {
         self.pose()
     }
 
-    fn command(&mut self, command: YawCommand) {
-        self.command(command.yaw_rad);
+    fn command(&mut self, command: Command) -> bool {
+        let Command::Yaw { yaw_rad } = command else { return false };
+        self.command(yaw_rad);
+        true
     }
 
     fn advance(&mut self, dt_s: f64) {
@@ -97,7 +99,7 @@ mod tests {
         uav.advance(1.0);
         let [x, y, z] = uav.pose().p_world;
         assert!((x + 240.0).abs() < 1e-9 && (y - 3.0).abs() < 1e-9 && z == 55.0);
-        uav.command(YawCommand { yaw_rad: 1.0 });
+        uav.command(Command::Yaw { yaw_rad: 1.0 });
         uav.advance(1.0);
         assert!(uav.pose().yaw_rad > 0.05 && uav.pose().roll_rad < -0.1, "{:?}", uav.pose());
     }

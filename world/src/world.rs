@@ -1,7 +1,7 @@
 //! The state of the world, which advances by one period at a time.
 
 use csat_proto::camera::{CameraModel, Pose};
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::ids::AgentId;
 use csat_proto::model::{Driving, FleetModel, Ground, Station, TargetsModel};
 use csat_proto::time::Step;
@@ -143,16 +143,16 @@ fn inset_m(targets: &TargetsModel) -> f64 {
     targets.radius_m + BORDER_M
 }
 
-/// The fleet has no such UAV, or the command is not an angle.
+/// The fleet has no such UAV, or its vehicle cannot follow the command.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("UAV {agent} of {count}: command to yaw {yaw_rad} rad")]
+#[error("UAV {agent} of {count}: {command:?}")]
 pub struct CommandError {
     /// The agent to be commanded.
     pub agent: AgentId,
     /// Number of UAVs.
     pub count: usize,
     /// The command.
-    pub yaw_rad: f64,
+    pub command: Command,
 }
 
 /// How the cars move.
@@ -333,16 +333,14 @@ impl World {
     /// Commands a UAV, from now on.
     ///
     /// # Errors
-    /// When there is no such UAV, or the angle is not finite; nothing changes then.
-    pub fn command(&mut self, agent: AgentId, command: YawCommand) -> Result<(), CommandError> {
-        let (count, yaw_rad) = (self.vehicles.len(), command.yaw_rad);
-        match self.vehicles.get_mut(usize::from(agent.0)) {
-            Some(vehicle) if yaw_rad.is_finite() => {
-                vehicle.command(command);
-                Ok(())
-            }
-            _ => Err(CommandError { agent, count, yaw_rad }),
-        }
+    /// When there is no such UAV, a number is not finite, or the vehicle follows another kind of commands;
+    /// nothing changes then.
+    pub fn command(&mut self, agent: AgentId, command: Command) -> Result<(), CommandError> {
+        let count = self.vehicles.len();
+        let vehicle = self.vehicles.get_mut(usize::from(agent.0));
+        let is_obeyed =
+            vehicle.is_some_and(|vehicle| command.is_finite() && vehicle.command(command));
+        if is_obeyed { Ok(()) } else { Err(CommandError { agent, count, command }) }
     }
 
     /// k.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::Pose;
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::envelope::Envelope;
 use csat_proto::frame::Frame;
 use csat_proto::ids::AgentId;
@@ -93,7 +93,7 @@ pub struct BayesAgent {
     rejected: BTreeMap<String, u64>,
     /// The reasons that were reported, with the senders of the messages.
     reported: BTreeSet<(String, Option<AgentId>)>,
-    commands: VecDeque<YawCommand>,
+    commands: VecDeque<Command>,
     events: VecDeque<Event>,
     now: SimTime,
 }
@@ -309,7 +309,7 @@ impl BayesAgent {
 }
 
 impl Agent for BayesAgent {
-    type Command = YawCommand;
+    type Command = Command;
     type Event = Event;
 
     fn handle_frame(&mut self, now: SimTime, frame: &Frame) {
@@ -351,7 +351,7 @@ impl Agent for BayesAgent {
         self.exchange.answer(&stamp, &self.set, belief)
     }
 
-    fn poll_command(&mut self) -> Option<YawCommand> {
+    fn poll_command(&mut self) -> Option<Command> {
         self.commands.pop_front()
     }
 

@@ -49,7 +49,7 @@ mod tests {
         assert!(second.next_timer().is_some_and(waits_for_a_plan));
         while let Some(transmit) = first.poll_transmit() {
             let (bytes, channel) = (transmit.bytes.into(), ChannelId(0));
-            let message = Reception { channel, at: start, bearing_rad: 0.0, bytes };
+            let message = Reception { channel, at: start, bearing_rad: 0.0, offset_m: None, bytes };
             second.handle_message(start, &message);
         }
         assert_eq!(second.next_timer(), Some((start, Timer::PlanArrived)));

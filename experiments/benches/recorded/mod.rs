@@ -212,6 +212,7 @@ fn settle(agents: &mut [SetMembershipAgent], now: SimTime) -> Vec<Vec<u8>> {
                     channel: transmit.channel,
                     at: now,
                     bearing_rad: 0.0,
+                    offset_m: None,
                     bytes: transmit.bytes[..].into(),
                 };
                 for dst in (0..agents.len()).filter(|&dst| dst != src) {

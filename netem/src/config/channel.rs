@@ -25,6 +25,12 @@ pub struct ChannelConfig {
     pub delay: DelayConfig,
     /// How fast a sender may send.
     pub rate: RateConfig,
+    /// The most by which a receiver errs about the bearing of a sender, degrees.
+    pub bearing_error_deg: f64,
+    /// The most by which a receiver errs about the offset of a sender along each axis, metres; without it the
+    /// channel measures no offsets.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub offset_error_m: Option<f64>,
     /// Radio propagation; none by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub propagation: Option<PropagationConfig>,
@@ -41,6 +47,8 @@ impl Default for ChannelConfig {
             loss: LossConfig::Iid { p: 0.0 },
             delay: DelayConfig::Constant { mean_s: 0.0 },
             rate: RateConfig::default(),
+            bearing_error_deg: 0.0,
+            offset_error_m: None,
             propagation: None,
         }
     }

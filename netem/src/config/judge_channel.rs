@@ -18,6 +18,12 @@ pub(super) fn channel(judge: &mut Judge, name: &str, config: &ChannelConfig) {
     judge.probability(format!("{name}.duplication"), "duplication", *duplication);
     let what = format!("expected a rate above 0 bytes/s (or inf), got {}", rate.bytes_s);
     judge.demand(rate.bytes_s > 0.0, format!("{name}.rate.bytes_s"), what);
+    let what = format!("expected 0 to 180 degrees, got {}", config.bearing_error_deg);
+    let is_angle = (0.0..=180.0).contains(&config.bearing_error_deg);
+    judge.demand(is_angle, format!("{name}.bearing_error_deg"), what);
+    if let Some(error_m) = config.offset_error_m {
+        judge.amount(format!("{name}.offset_error_m"), "offset_error_m", "m", error_m);
+    }
     loss_mistakes(judge, &format!("{name}.loss"), loss);
     delay_mistakes(judge, &format!("{name}.delay"), delay);
     if let Some(propagation) = propagation {

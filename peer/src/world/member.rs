@@ -6,7 +6,7 @@ use csat_mission::fleet::{Flown, Frames};
 use csat_mission::mission::Mission;
 use csat_netem::counters::{Counters, LinkCounters};
 use csat_netem::link::LinkId;
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::control::{Done, SaidSoFar};
 use csat_proto::ids::AgentId;
 use csat_proto::time::{SimTime, Step};
@@ -27,7 +27,7 @@ pub struct Member<R> {
     pub said: Option<SaidSoFar>,
     /// When the agent is to run next.
     pub due: Option<SimTime>,
-    commands: Vec<YawCommand>,
+    commands: Vec<Command>,
     /// Its last report.
     report: Option<StepReport<R>>,
     /// Whether that report is one of the present request.

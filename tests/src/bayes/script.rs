@@ -154,5 +154,11 @@ pub fn newcomer(scenario: &Scenario, id: u16) -> BayesAgent {
 
 /// A message as it is heard.
 pub fn reception(now: SimTime, bytes: &[u8]) -> Reception {
-    Reception { channel: ChannelId(0), at: now, bearing_rad: 0.0, bytes: bytes.into() }
+    Reception {
+        channel: ChannelId(0),
+        at: now,
+        bearing_rad: 0.0,
+        offset_m: None,
+        bytes: bytes.into(),
+    }
 }

@@ -15,7 +15,7 @@ use csat_mission::measures::{Measures, Values};
 use csat_mission::mission::{self, Detail, Kind, Mission, Tally};
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::{CameraModel, Pose};
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::radio::Reception;
@@ -69,7 +69,7 @@ impl FaultyAgent {
 }
 
 impl Agent for FaultyAgent {
-    type Command = YawCommand;
+    type Command = Command;
     type Event = Event;
 
     fn handle_frame(&mut self, now: SimTime, frame: &Frame) {
@@ -100,7 +100,7 @@ impl Agent for FaultyAgent {
         self.inner.answer(self.own(now))
     }
 
-    fn poll_command(&mut self) -> Option<YawCommand> {
+    fn poll_command(&mut self) -> Option<Command> {
         self.inner.poll_command()
     }
 

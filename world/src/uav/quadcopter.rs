@@ -1,7 +1,7 @@
 //! A quadcopter (thesis §5.4.1, figure 5.3).
 
 use csat_proto::camera::Pose;
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 
 use super::Vehicle;
 
@@ -62,8 +62,10 @@ impl Vehicle for Quadcopter {
         Pose::level(self.p_world, self.yaw_rad)
     }
 
-    fn command(&mut self, command: YawCommand) {
-        self.commanded_yaw_rad = command.yaw_rad;
+    fn command(&mut self, command: Command) -> bool {
+        let Command::Yaw { yaw_rad } = command else { return false };
+        self.commanded_yaw_rad = yaw_rad;
+        true
     }
 
     fn advance(&mut self, dt_s: f64) {
@@ -93,7 +95,7 @@ mod tests {
     #[test]
     fn the_yaw_settles_to_five_per_cent_at_the_settling_time() {
         let mut uav = quadcopter();
-        uav.command(YawCommand { yaw_rad: 1.0 });
+        uav.command(Command::Yaw { yaw_rad: 1.0 });
         let mut last_outside_s = 0.0;
         for i in 1..=4000 {
             uav.advance(1e-3);
@@ -121,7 +123,7 @@ mod tests {
         let [mut coarse, mut fine] = [quadcopter(), quadcopter()];
         for turn in [1.0, -0.5, 3.0] {
             for uav in [&mut coarse, &mut fine] {
-                uav.command(YawCommand { yaw_rad: turn });
+                uav.command(Command::Yaw { yaw_rad: turn });
             }
             coarse.advance(3.0);
             for _ in 0..3000 {
@@ -138,10 +140,10 @@ mod tests {
     #[test]
     fn a_new_command_does_not_jump() {
         let mut uav = quadcopter();
-        uav.command(YawCommand { yaw_rad: 1.0 });
+        uav.command(Command::Yaw { yaw_rad: 1.0 });
         uav.advance(0.4);
         let before = uav;
-        uav.command(YawCommand { yaw_rad: -1.0 });
+        uav.command(Command::Yaw { yaw_rad: -1.0 });
         uav.advance(1e-6);
         assert!((uav.yaw_rad - before.yaw_rad).abs() < 1e-4);
         assert!((uav.yaw_rate_rad_s - before.yaw_rate_rad_s).abs() < 1e-3);

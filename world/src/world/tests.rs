@@ -20,9 +20,9 @@ fn the_scene_holds_obstacles_then_targets() {
 #[test]
 fn commands_steer_and_wrong_ones_change_nothing() {
     let mut world = World::new(&WorldConfig::default(), 1).unwrap();
-    assert!(world.command(AgentId(1), YawCommand { yaw_rad: 1.0 }).is_ok());
-    assert!(world.command(AgentId(2), YawCommand { yaw_rad: f64::NAN }).is_err());
-    let error = world.command(AgentId(4), YawCommand { yaw_rad: 1.0 }).unwrap_err();
+    assert!(world.command(AgentId(1), Command::Yaw { yaw_rad: 1.0 }).is_ok());
+    assert!(world.command(AgentId(2), Command::Yaw { yaw_rad: f64::NAN }).is_err());
+    let error = world.command(AgentId(4), Command::Yaw { yaw_rad: 1.0 }).unwrap_err();
     assert_eq!((error.agent, error.count), (AgentId(4), 4));
     for _ in 0..20 {
         world.advance();

@@ -21,7 +21,7 @@ mod route;
 mod tests;
 
 use csat_proto::camera::Pose;
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::fixed_wing::FixedWing;
 use csat_proto::ids::AgentId;
 use csat_proto::time::Step;
@@ -96,7 +96,7 @@ impl Guide {
 
     /// What to fly from this step on; `None`: as before. To be called once per step, after the belief was
     /// updated.
-    pub fn step(&mut self, input: &GuidanceInput<'_>) -> Option<YawCommand> {
+    pub fn step(&mut self, input: &GuidanceInput<'_>) -> Option<Command> {
         let pose = self.navigation.update(input.step, input.pose);
         let vehicle = self.navigation.vehicle();
         let decided = match &mut self.pilot {
@@ -112,7 +112,7 @@ impl Guide {
         }
         let yaw_rad = self.pilot.yaw(&pose, &self.airframe)?;
         self.navigation.command(yaw_rad);
-        Some(YawCommand { yaw_rad })
+        Some(Command::Yaw { yaw_rad })
     }
 
     /// Where the aircraft intends to be 1, 2, … seconds after [`Self::planned_at`].

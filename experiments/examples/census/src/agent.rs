@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, VecDeque};
 use csat_mission::mission::{Detail, Report, Tally};
 use csat_proto::agent::{Agent, FIRST_ANSWER, Transmit};
 use csat_proto::camera::{CameraModel, Pose};
-use csat_proto::command::YawCommand;
+use csat_proto::command::Command;
 use csat_proto::envelope::{Envelope, decode_whole};
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, ChannelId, Incarnation, MAX_TARGETS, RunId, TargetId};
@@ -104,7 +104,7 @@ pub struct Counter {
     /// Numbers of the next message to all, and of the next answer.
     next: [u64; 2],
     outbox: VecDeque<Transmit>,
-    command: Option<YawCommand>,
+    command: Option<Command>,
 }
 
 impl Counter {
@@ -186,7 +186,7 @@ impl Counter {
         };
         // The shorter way round.
         let turn_rad = (course_rad - yaw_rad).sin().atan2((course_rad - yaw_rad).cos());
-        self.command = Some(YawCommand { yaw_rad: yaw_rad + turn_rad });
+        self.command = Some(Command::Yaw { yaw_rad: yaw_rad + turn_rad });
     }
 
     /// Everything that the agent counted, as a message.
@@ -215,7 +215,7 @@ impl Counter {
 }
 
 impl Agent for Counter {
-    type Command = YawCommand;
+    type Command = Command;
     type Event = ();
 
     fn handle_frame(&mut self, now: SimTime, frame: &Frame) {
@@ -262,7 +262,7 @@ impl Agent for Counter {
         Some(message)
     }
 
-    fn poll_command(&mut self) -> Option<YawCommand> {
+    fn poll_command(&mut self) -> Option<Command> {
         self.command.take()
     }
 
