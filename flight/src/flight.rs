@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use csat_mission::judge::{Broken, Fault, Violation};
+use csat_mission::judge::{Broken, Fault, Judge, Violation};
 use csat_mission::measures::{Measures, in_order};
 use csat_mission::picture::Layer;
 use csat_mission::row::{Role, Row};
@@ -284,7 +284,9 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
                 self.measures.observe(report, &pose, targets);
             }
         }
-        let fleet = self.measures.fleet(&reports, &targets);
+        let judge = self.engine.judge();
+        let mut fleet = self.measures.fleet(&reports, &targets);
+        fleet.extend(judge.fleet());
         let poses = self.engine.world().poses();
         let broken = |id: AgentId| {
             let faults = trace.violations.iter().map(|violation| &violation.fault);
@@ -297,7 +299,9 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
             let report = flown.report.as_ref()?;
             let targets = truths.get(&report.step())?;
             let pose = &poses[usize::from(flown.agent.0)];
-            let values = measures.agent(report, targets).into_iter().chain(fleet.iter().copied());
+            let of_judge = judge.agent(flown.agent);
+            let values = measures.agent(report, targets).into_iter().chain(of_judge);
+            let values = values.chain(fleet.iter().copied());
             Some(Row {
                 step,
                 time_s,

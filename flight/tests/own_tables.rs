@@ -13,7 +13,7 @@ use csat_proto::agent::Agent;
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_world::navigation::NavigationModel;
-use csat_world::world::WorldConfig;
+use csat_world::world::{World, WorldConfig};
 use serde::{Deserialize, Serialize};
 
 /// The set-membership mission under another name, with tables of its own.
@@ -79,12 +79,12 @@ impl Mission for Other {
         self.0.camera(id)
     }
 
-    fn report(&self, agent: &mut Self::Agent, detail: Detail) -> Self::Report {
-        self.0.report(agent, detail)
+    fn report(&self, agent: &mut Self::Agent, pose: &Pose, detail: Detail) -> Self::Report {
+        self.0.report(agent, pose, detail)
     }
 
-    fn judge(&self) -> Self::Judge {
-        self.0.judge()
+    fn judge(&self, world: &World) -> Self::Judge {
+        self.0.judge(world)
     }
 
     fn measures(&self) -> Self::Measures {

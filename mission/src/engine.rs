@@ -20,7 +20,7 @@ use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::fleet::{Brief, Fleet, Frames};
 pub use crate::fleet::{Flown, Passage};
-use crate::judge::{Broken, Fault, Judge, Judged, Violation};
+use crate::judge::{Broken, Fault, Judge, Judged, Truth, Violation};
 use crate::local::LocalFleet;
 use crate::mission::{Detail, Mission, Report, Tally};
 use crate::node::Node;
@@ -113,7 +113,7 @@ pub struct Engine<M: Mission, F = LocalFleet<M>> {
     /// Reports that came after the truth of their step was forgotten.
     unchecked: u64,
     /// Where targets and agents were.
-    truths: VecDeque<Truth>,
+    truths: VecDeque<Kept>,
     seed: u64,
     period_s: f64,
     digest: Xxh3Default,
@@ -122,10 +122,16 @@ pub struct Engine<M: Mission, F = LocalFleet<M>> {
 }
 
 /// What was true at a step.
-struct Truth {
+struct Kept {
     step: Step,
     targets: Vec<TargetTruth>,
     poses: Vec<Pose>,
+}
+
+impl Kept {
+    fn truth(&self) -> Truth<'_> {
+        Truth { step: self.step, targets: &self.targets, poses: &self.poses }
+    }
 }
 
 /// For how many steps the truth is kept, for reports that come late.
@@ -181,7 +187,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             tallies: vec![Tally::default(); count],
             ended: Tally::default(),
             monitor: world.monitor(),
-            judge: mission.judge(),
+            judge: mission.judge(&world),
             judged: CheckCounts::default(),
             unchecked: 0,
             truths: VecDeque::new(),
@@ -210,6 +216,11 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
     /// Where agents were at such a step, by index.
     pub fn poses_at(&self, step: Step) -> Option<&[Pose]> {
         truth_at(&self.truths, step).map(|truth| truth.poses.as_slice())
+    }
+
+    /// What judges the agents.
+    pub fn judge(&self) -> &M::Judge {
+        &self.judge
     }
 
     /// The agents, wherever they are.
@@ -359,7 +370,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         let uavs = usize::from(self.world.config().fleet.count);
         found.extend(self.monitor.check_flights(step, &self.world.poses()[..uavs]));
         let poses = self.world.poses();
-        self.truths.push_back(Truth { step, targets: targets.to_vec(), poses });
+        self.truths.push_back(Kept { step, targets: targets.to_vec(), poses });
         if self.truths.len() > MAX_TRUTHS {
             self.truths.pop_front();
         }
@@ -369,6 +380,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
                 found.extend(self.judge_report(step, flown.agent, report));
             }
         }
+        found.extend(self.close_step());
         let counters = self.fleet.counters();
         let counts = MessageCounts {
             sent: counters.sent,
@@ -389,7 +401,20 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             self.unchecked += 1;
             return Vec::new();
         };
-        let Judged { checks, faults } = self.judge.judge(agent, report, &truth.targets);
+        let judged = self.judge.judge(agent, report, &truth.truth());
+        self.note(step, judged)
+    }
+
+    /// Lets the judge close the world's step.
+    fn close_step(&mut self) -> Vec<Violation> {
+        let Some(truth) = self.truths.back() else { return Vec::new() };
+        let is_alive: Vec<bool> = self.lives.iter().map(|life| life.is_alive).collect();
+        let (step, judged) = (truth.step, self.judge.close(&truth.truth(), &is_alive));
+        self.note(step, judged)
+    }
+
+    /// Counts what the judge checked, and gives what it found.
+    fn note(&mut self, step: Step, Judged { checks, faults }: Judged) -> Vec<Violation> {
         for (promise, checks) in checks {
             self.judged.add(promise, Checked { checks, violations: 0 });
         }
@@ -401,6 +426,6 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
     }
 }
 
-fn truth_at(truths: &VecDeque<Truth>, step: Step) -> Option<&Truth> {
+fn truth_at(truths: &VecDeque<Kept>, step: Step) -> Option<&Kept> {
     truths.iter().find(|truth| truth.step == step)
 }

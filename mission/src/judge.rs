@@ -1,11 +1,14 @@
 //! What a mission promises, and who checks it: a judge that sees the truth and what agents report.
 
+use csat_proto::camera::Pose;
 use csat_proto::ids::AgentId;
 use csat_proto::time::Step;
 use csat_world::target::TargetTruth;
 use csat_world::truth::Violation as WorldViolation;
 use serde::Serialize;
 use serde_json::{Map, Value};
+
+use crate::measures::Values;
 
 /// A promise that a mission makes of each report.
 #[derive(Debug, Clone, Copy)]
@@ -47,10 +50,37 @@ impl Serialize for Broken {
     }
 }
 
+/// What is true at a step.
+#[derive(Debug, Clone, Copy)]
+pub struct Truth<'a> {
+    /// k.
+    pub step: Step,
+    /// Every target, by index.
+    pub targets: &'a [TargetTruth],
+    /// Where every agent is, by index: the UAVs, then the ground stations.
+    pub poses: &'a [Pose],
+}
+
 /// Judges one run. It may keep state from report to report.
-pub trait Judge<R>: Send {
+pub trait Judge<R>: Send + Sync {
     /// Holds what an agent reported against the truth at the step of its report.
-    fn judge(&mut self, agent: AgentId, report: &R, targets: &[TargetTruth]) -> Judged;
+    fn judge(&mut self, agent: AgentId, report: &R, truth: &Truth<'_>) -> Judged;
+
+    /// The world's step is over: what there was of reports has been judged. `is_alive` says by index which agents
+    /// run. For promises of all agents together.
+    fn close(&mut self, _: &Truth<'_>, _is_alive: &[bool]) -> Judged {
+        Judged::default()
+    }
+
+    /// The values of columns of the fleet that only a judge knows, after the last [`Self::close`].
+    fn fleet(&self) -> Values {
+        Values::new()
+    }
+
+    /// The same of one agent.
+    fn agent(&self, _: AgentId) -> Values {
+        Values::new()
+    }
 }
 
 /// Something that must never happen did.

@@ -10,6 +10,7 @@ use csat_proto::command::Command;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::Step;
 use csat_world::sensor::SensorModel;
+use csat_world::world::World;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -53,11 +54,12 @@ pub trait Mission: Clone + Send + Sync + 'static {
         self.camera(id).map(SensorModel::Labels)
     }
 
-    /// What the agent's observers get to know.
-    fn report(&self, agent: &mut Self::Agent, detail: Detail) -> Self::Report;
+    /// What the agent's observers get to know. `pose` is where it is, in truth: for observers of an agent that
+    /// does not know.
+    fn report(&self, agent: &mut Self::Agent, pose: &Pose, detail: Detail) -> Self::Report;
 
-    /// The judge of a run.
-    fn judge(&self) -> Self::Judge;
+    /// The judge of a run in this world, at its start.
+    fn judge(&self, world: &World) -> Self::Judge;
 
     /// What measures a run.
     fn measures(&self) -> Self::Measures;

@@ -240,7 +240,7 @@ impl<M: Mission> Node<M> {
         Flown {
             agent: self.id,
             digest: if self.is_alive { self.agent.digest() } else { 0 },
-            report: self.is_alive.then(|| mission.report(&mut self.agent, detail)),
+            report: self.is_alive.then(|| mission.report(&mut self.agent, &self.pose, detail)),
             commands: self.take_commands(),
             events: std::mem::take(&mut self.events),
             passages: std::mem::take(&mut self.passages),
@@ -252,7 +252,7 @@ impl<M: Mission> Node<M> {
 
     /// Everything the agent knows, or knew when it crashed.
     pub fn show(&mut self, mission: &M) -> M::Report {
-        mission.report(&mut self.agent, Detail::Full)
+        mission.report(&mut self.agent, &self.pose, Detail::Full)
     }
 }
 

@@ -83,7 +83,7 @@ impl Recorded {
         let (viewer, frame, measured) = best.expect("there are UAVs");
         view.time_s = time_s;
         view.targets = engine.world().targets().iter().map(|t| vec![t.location]).collect();
-        let report = mission.report(&mut agents[viewer], Detail::Full);
+        let report = mission.report(&mut agents[viewer], &Pose::default(), Detail::Full);
         view.agents = vec![mission.picture(&report)];
         let until = (until_s / scenario.run.period_s).round() as usize;
         while checks.len() <= until {

@@ -7,9 +7,8 @@ use std::sync::Arc;
 
 use csat_bayes::factor::{Factor, FactorId};
 use csat_bayes::likelihood::{Likelihood, Sensor};
-use csat_mission::judge::{Broken, Judge, Judged, Promise};
+use csat_mission::judge::{Broken, Judge, Judged, Promise, Truth};
 use csat_proto::ids::{AgentId, Incarnation};
-use csat_world::target::TargetTruth;
 use serde_json::{Map, json};
 
 use super::report::Report;
@@ -77,7 +76,7 @@ impl Account {
 }
 
 impl Judge<Report> for Posterior {
-    fn judge(&mut self, agent: AgentId, report: &Report, _: &[TargetTruth]) -> Judged {
+    fn judge(&mut self, agent: AgentId, report: &Report, _: &Truth<'_>) -> Judged {
         let mut judged = Judged::default();
         let account = self.agents.entry(agent).or_default();
         if account.incarnation != report.incarnation {

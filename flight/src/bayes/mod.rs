@@ -9,9 +9,10 @@ pub mod report;
 use csat_bayes::agent::{BayesAgent, Event};
 use csat_bayes::config::AgentConfig;
 use csat_bayes::likelihood::Sensor;
-use csat_proto::camera::CameraModel;
+use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_world::sensor::SensorModel;
+use csat_world::world::World;
 
 use csat_mission::mission::{Detail, Kind, Mission};
 use csat_mission::picture::Layer;
@@ -68,11 +69,11 @@ impl Mission for Bayes {
         self.camera(id).map(|camera| SensorModel::Detector(camera, detector))
     }
 
-    fn report(&self, agent: &mut BayesAgent, detail: Detail) -> Report {
+    fn report(&self, agent: &mut BayesAgent, _: &Pose, detail: Detail) -> Report {
         Report::of(agent, detail)
     }
 
-    fn judge(&self) -> Posterior {
+    fn judge(&self, _: &World) -> Posterior {
         Posterior::new(Sensor::new(&self.config))
     }
 

@@ -1,7 +1,7 @@
 //! What the mission promises: every target lies in the set of every agent.
 
 use csat_agent::mutant::{Mutant, is_on};
-use csat_mission::judge::{Broken, Judge, Judged, Promise};
+use csat_mission::judge::{Broken, Judge, Judged, Promise, Truth};
 use csat_proto::ids::{AgentId, TargetId};
 use csat_world::target::TargetTruth;
 use serde_json::{Map, json};
@@ -23,8 +23,8 @@ pub const PROMISES: &[Promise] =
 pub struct Containment;
 
 impl Judge<Report> for Containment {
-    fn judge(&mut self, agent: AgentId, report: &Report, targets: &[TargetTruth]) -> Judged {
-        let outside = targets.iter().filter(|t| !admits(report, t.id, t.location));
+    fn judge(&mut self, agent: AgentId, report: &Report, truth: &Truth<'_>) -> Judged {
+        let outside = truth.targets.iter().filter(|t| !admits(report, t.id, t.location));
         let faults = outside.map(|TargetTruth { id, location, .. }| Broken {
             promise: GUARANTEE,
             agent,
@@ -33,7 +33,7 @@ impl Judge<Report> for Containment {
                 ("location".to_owned(), json!(location)),
             ]),
         });
-        Judged { faults: faults.collect(), checks: vec![(GUARANTEE, targets.len() as u64)] }
+        Judged { faults: faults.collect(), checks: vec![(GUARANTEE, truth.targets.len() as u64)] }
     }
 }
 
@@ -78,7 +78,10 @@ mod tests {
             tally: csat_mission::mission::Tally::default(),
             maps: None,
         };
-        let judge = |targets: &[TargetTruth]| Containment.judge(AgentId(1), &report, targets);
+        let judge = |targets: &[TargetTruth]| {
+            let truth = Truth { step: report.step, targets, poses: &[] };
+            Containment.judge(AgentId(1), &report, &truth)
+        };
         let good = judge(&[at(0, 0.5, 1.000_9), at(1, 55.0, 55.0)]);
         assert_eq!((good.checks, good.faults), (vec![(GUARANTEE, 2)], Vec::new()));
         let bad = judge(&[at(0, 0.5, 1.001_1), at(1, 0.5, 0.5), at(2, f64::NAN, 55.0)]);

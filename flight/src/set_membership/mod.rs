@@ -11,8 +11,9 @@ use std::sync::Arc;
 use csat_agent::agent::{Event, SetMembershipAgent};
 use csat_agent::config::AgentConfig;
 use csat_agent::shared_cache::SharedCache;
-use csat_proto::camera::CameraModel;
+use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::ids::{AgentId, Incarnation};
+use csat_world::world::World;
 
 use csat_mission::mission::{Detail, Kind, Mission};
 use csat_mission::picture::Layer;
@@ -67,11 +68,11 @@ impl Mission for SetMembership {
         (id.0 < self.config.fleet.count).then_some(self.config.camera)
     }
 
-    fn report(&self, agent: &mut SetMembershipAgent, detail: Detail) -> Report {
+    fn report(&self, agent: &mut SetMembershipAgent, _: &Pose, detail: Detail) -> Report {
         Report::of(agent, detail)
     }
 
-    fn judge(&self) -> Containment {
+    fn judge(&self, _: &World) -> Containment {
         Containment
     }
 

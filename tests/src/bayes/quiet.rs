@@ -4,14 +4,14 @@ use csat_bayes::agent::{BayesAgent, Event};
 use csat_flight::bayes::Bayes;
 use csat_flight::scenario::Scenario;
 use csat_flight::scenario::missions::Offered;
-use csat_mission::judge::{Judge, Judged};
+use csat_mission::judge::{Judge, Judged, Truth};
 use csat_mission::measures::{Measures, Values};
 use csat_mission::mission::{self, Detail, Kind, Mission, Tally};
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::Step;
 use csat_world::sensor::SensorModel;
-use csat_world::target::TargetTruth;
+use csat_world::world::World;
 use serde::{Deserialize, Serialize};
 
 /// The mission.
@@ -71,7 +71,7 @@ impl Mission for Quiet {
         self.0.sensor(id)
     }
 
-    fn report(&self, agent: &mut BayesAgent, _: Detail) -> Nothing {
+    fn report(&self, agent: &mut BayesAgent, _: &Pose, _: Detail) -> Nothing {
         Nothing {
             step: agent.filter().step(),
             pose: *agent.pose(),
@@ -79,7 +79,7 @@ impl Mission for Quiet {
         }
     }
 
-    fn judge(&self) -> Self {
+    fn judge(&self, _: &World) -> Self {
         self.clone()
     }
 
@@ -97,7 +97,7 @@ impl Mission for Quiet {
 }
 
 impl Judge<Nothing> for Quiet {
-    fn judge(&mut self, _: AgentId, _: &Nothing, _: &[TargetTruth]) -> Judged {
+    fn judge(&mut self, _: AgentId, _: &Nothing, _: &Truth<'_>) -> Judged {
         Judged::default()
     }
 }

@@ -9,8 +9,9 @@ use std::ops::Range;
 use csat_agent::agent::{Event, SetMembershipAgent};
 use csat_experiments::scenario::Scenario;
 use csat_experiments::set_membership::SetMembership;
+use csat_experiments::set_membership::judge::Containment;
 use csat_experiments::set_membership::report::Report;
-use csat_mission::judge::{Judge, Judged};
+use csat_mission::judge::{Judge, Judged, Truth};
 use csat_mission::measures::{Measures, Values};
 use csat_mission::mission::{self, Detail, Kind, Mission, Tally};
 use csat_proto::agent::{Agent, Transmit};
@@ -20,7 +21,7 @@ use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::radio::Reception;
 use csat_proto::time::{SimTime, Step};
-use csat_world::target::TargetTruth;
+use csat_world::world::World;
 use serde::{Deserialize, Serialize};
 
 /// The handicap of one agent.
@@ -163,12 +164,12 @@ impl Mission for Faulty {
         self.mission.camera(id)
     }
 
-    fn report(&self, agent: &mut FaultyAgent, detail: Detail) -> FaultyReport {
-        let inner = self.mission.report(&mut agent.inner, detail);
+    fn report(&self, agent: &mut FaultyAgent, pose: &Pose, detail: Detail) -> FaultyReport {
+        let inner = self.mission.report(&mut agent.inner, pose, detail);
         FaultyReport { inner, ahead: agent.handicap.ahead }
     }
 
-    fn judge(&self) -> Faulty {
+    fn judge(&self, _: &World) -> Faulty {
         self.clone()
     }
 
@@ -186,8 +187,8 @@ impl Mission for Faulty {
 }
 
 impl Judge<FaultyReport> for Faulty {
-    fn judge(&mut self, agent: AgentId, report: &FaultyReport, targets: &[TargetTruth]) -> Judged {
-        Mission::judge(&self.mission).judge(agent, &report.inner, targets)
+    fn judge(&mut self, agent: AgentId, report: &FaultyReport, truth: &Truth<'_>) -> Judged {
+        Containment.judge(agent, &report.inner, truth)
     }
 }
 

@@ -1,10 +1,9 @@
 //! What the mission promises: a car that is counted was in view.
 
-use csat_mission::judge::{Broken, Judge, Judged, Promise};
+use csat_mission::judge::{Broken, Judge, Judged, Promise, Truth};
 use csat_proto::camera::CameraModel;
 use csat_proto::ids::AgentId;
 use csat_proto::region::{Region, grid_point};
-use csat_world::target::TargetTruth;
 use serde_json::{Map, json};
 
 use crate::agent::Count;
@@ -32,7 +31,7 @@ impl InView {
 }
 
 impl Judge<Count> for InView {
-    fn judge(&mut self, agent: AgentId, report: &Count, targets: &[TargetTruth]) -> Judged {
+    fn judge(&mut self, agent: AgentId, report: &Count, truth: &Truth<'_>) -> Judged {
         let ring = self.camera.at(&report.pose).footprint();
         let footprint =
             Region::from_shapes(vec![vec![ring.iter().map(|&p| grid_point(p)).collect()]]);
@@ -41,8 +40,8 @@ impl Judge<Count> for InView {
         let mut judged = Judged::default();
         for (target, sighting) in new {
             judged.checks.push((IN_VIEW, 1));
-            let truth = targets.iter().find(|truth| truth.id == *target);
-            if truth.is_some_and(|truth| footprint.distance_m(truth.location) <= REACH_M) {
+            let car = truth.targets.iter().find(|car| car.id == *target);
+            if car.is_some_and(|car| footprint.distance_m(car.location) <= REACH_M) {
                 continue;
             }
             judged.faults.push(Broken {

@@ -22,9 +22,10 @@ use csat_experiments::scenario::validate::Issue;
 use csat_mission::mission::{Detail, Kind, Mission};
 use csat_mission::picture::Layer;
 use csat_mission::style::Style;
-use csat_proto::camera::CameraModel;
+use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::ids::{AgentId, Incarnation, RunId};
 use csat_proto::model::Ground;
+use csat_world::world::World;
 use serde::{Deserialize, Serialize};
 
 use crate::agent::{Counter, Identity};
@@ -127,7 +128,7 @@ impl Mission for Census {
         (id.0 < self.uavs).then_some(self.camera)
     }
 
-    fn report(&self, agent: &mut Counter, detail: Detail) -> Count {
+    fn report(&self, agent: &mut Counter, _: &Pose, detail: Detail) -> Count {
         agent.report(detail)
     }
 
@@ -135,7 +136,7 @@ impl Mission for Census {
         if report.has_looked { self.camera.at(&report.pose).footprint() } else { Vec::new() }
     }
 
-    fn judge(&self) -> InView {
+    fn judge(&self, _: &World) -> InView {
         InView::new(self.camera)
     }
 

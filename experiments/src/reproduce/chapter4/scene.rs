@@ -57,7 +57,7 @@ pub fn oem_iou_pct(mission: &SetMembership, seed: u64) -> Option<f64> {
     let frame = renderer.frame(&buildings(), &pose(), Step(0), seed, AgentId(0));
     agent.handle_frame(SimTime(0), &frame);
     agent.handle_timeout(SimTime(0));
-    mission.report(&mut agent, Detail::Brief).oem_iou_pct
+    mission.report(&mut agent, &Pose::default(), Detail::Brief).oem_iou_pct
 }
 
 fn buildings() -> Scene {
