@@ -146,6 +146,23 @@ pub struct FleetModel {
     pub vehicle: VehicleKind,
     /// How it flies, if it is a fixed-wing aircraft.
     pub fixed_wing: FixedWingModel,
+    /// How it flies, if it is a multirotor.
+    pub multirotor: MultirotorModel,
+}
+
+/// `[agents.multirotor]`: how well a multirotor does what it is told.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MultirotorModel {
+    /// In each period T its displacement errs by at most this much along either axis, metres, also while it
+    /// hovers.
+    pub motion_error_m: f64,
+}
+
+impl Default for MultirotorModel {
+    fn default() -> Self {
+        Self { motion_error_m: 0.02 }
+    }
 }
 
 /// What a UAV is.
@@ -157,6 +174,8 @@ pub enum VehicleKind {
     Quadcopter,
     /// A fixed-wing aircraft: coordinated turns.
     FixedWing,
+    /// A multirotor: level, with a constant yaw, displaced step by step.
+    Multirotor,
 }
 
 impl FleetModel {
@@ -197,7 +216,58 @@ impl Default for FleetModel {
             avoid_buildings: false,
             vehicle: VehicleKind::default(),
             fixed_wing: FixedWingModel::default(),
+            multirotor: MultirotorModel::default(),
         }
+    }
+}
+
+/// `[segmentation]`: what a camera that segments roads gets wrong. A pixel is labelled Road if its middle is on
+/// a road, except for these errors, which are drawn anew for each frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RoadSensor {
+    /// The bound that always holds: a pixel whose middle is on a road has a pixel labelled Road within this
+    /// Chebyshev distance, pixels. With 0 no road pixel is missed.
+    pub gap_px: u16,
+    /// Gaps: the share of the road pixels that squares of `2 gap_px` pixels hit, 0..1. Fewer are missed: squares
+    /// overlap, and the bound holds.
+    pub gap_share: f64,
+    /// Ragged edges: the share of the pixels on either side of an edge that have the label of the other side,
+    /// 0..1; of the road's pixels only as many as the bound allows.
+    pub edge_share: f64,
+    /// Speckle: the share of all pixels that are labelled Road whatever they show, 0..1.
+    pub speckle_share: f64,
+}
+
+impl Default for RoadSensor {
+    fn default() -> Self {
+        Self { gap_px: 1, gap_share: 0.05, edge_share: 0.2, speckle_share: 0.001 }
+    }
+}
+
+impl RoadSensor {
+    /// One that makes no errors.
+    pub const EXACT: Self = Self { gap_px: 0, gap_share: 0.0, edge_share: 0.0, speckle_share: 0.0 };
+}
+
+/// `[odometry]`: the errors of the pose that an agent is told. It is in a frame of the agent's own, whose origin
+/// is its start and whose axes are those of `world`; height and attitude are true.
+///
+/// Along either axis, the displacement between any two frames errs by at most `jitter_m` plus `drift_share` of
+/// the path flown between them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct OdometryModel {
+    /// The error that is drawn anew for each frame, metres: half of it at either end of a displacement.
+    pub jitter_m: f64,
+    /// The error that grows with the path, in a direction and at a rate that each agent keeps, as a share of
+    /// the path, 0..1.
+    pub drift_share: f64,
+}
+
+impl Default for OdometryModel {
+    fn default() -> Self {
+        Self { jitter_m: 0.05, drift_share: 0.001 }
     }
 }
 

@@ -25,6 +25,7 @@ pub fn street(config: &MapConfig, rules: &MapRules) -> Map {
         ground: Ground { size_m: [width_m, depth_m] },
         obstacles: houses.flat_map(|x| [house(x, -1.0), house(x, 1.0)]).collect(),
         roads: vec![vec![[-width_m / 2.0, 0.0], [width_m / 2.0, 0.0]]],
+        road_widths_m: vec![8.0],
         centre_deg: None,
         attribution: None,
         count: FeatureCount::default(),

@@ -7,13 +7,17 @@
 //! | [`map`] | the town: generated from a seed, or from a GeoJSON file |
 //! | [`obstacle`] | buildings, and exact distances to them |
 //! | [`road`] | where cars can drive |
+//! | [`road_area`] | the ground that roads cover, as a raster |
+//! | [`start_line`] | from where roads are cleared |
+//! | [`contamination`] | where on the roads somebody may be whom nobody has seen |
 //! | [`target`] | the cars, on roads and off them |
 //! | [`track`] | tracks that cars follow instead of driving on their own |
 //! | `uav` | how UAVs move; a new kind of vehicle implements its trait |
 //! | [`navigation`] | the errors of reported poses |
+//! | [`odometry`] | reported poses in a frame of the agent's own |
 //! | [`scene`] | the solids that cameras see |
 //! | [`camera`] | frames with exact labels, and the oracle that checks them |
-//! | [`sensor`] | what a UAV carries: a camera with labels, or one with a detector |
+//! | [`sensor`] | what a UAV carries: a camera with labels, with a detector, or one that segments roads |
 //! | [`radio`] | buildings as obstructions of radio |
 //! | [`truth`] | the monitor |
 //!
@@ -34,16 +38,21 @@
 //! # Ok::<(), csat_world::world::WorldErrors>(())
 //! ```
 
+mod bits;
 pub mod camera;
+pub mod contamination;
 pub mod map;
 pub mod navigation;
 pub mod obstacle;
+pub mod odometry;
 mod plane;
 pub mod radio;
 mod random;
 pub mod road;
+pub mod road_area;
 pub mod scene;
 pub mod sensor;
+pub mod start_line;
 pub mod target;
 pub mod track;
 pub mod truth;

@@ -12,6 +12,8 @@ pub(crate) enum StreamPurpose {
     Streets,
     /// The buildings of a generated town.
     Buildings,
+    /// The streets of a desert suburb.
+    Desert,
     /// The decisions of one car.
     Car(TargetId),
     /// The manner of one car that evades.
@@ -22,6 +24,10 @@ pub(crate) enum StreamPurpose {
     Walk(TargetId),
     /// The navigation errors of one UAV.
     Navigation(AgentId),
+    /// The errors of the motion of one UAV.
+    Motion(AgentId),
+    /// The errors of the odometry of one UAV.
+    Odometry(AgentId),
 }
 
 /// The stream of `purpose` under the scenario's `seed`.
@@ -31,11 +37,14 @@ pub(crate) fn stream(seed: u64, purpose: StreamPurpose) -> ChaCha8Rng {
     let (tag, index) = match purpose {
         StreamPurpose::Streets => (*b"road", 0),
         StreamPurpose::Buildings => (*b"town", 0),
+        StreamPurpose::Desert => (*b"dsrt", 0),
         StreamPurpose::Car(id) => (*b"cars", u32::from(id.0)),
         StreamPurpose::Evader(id) => (*b"evad", u32::from(id.0)),
         StreamPurpose::Place(id) => (*b"spot", u32::from(id.0)),
         StreamPurpose::Walk(id) => (*b"walk", u32::from(id.0)),
         StreamPurpose::Navigation(id) => (*b"navi", u32::from(id.0)),
+        StreamPurpose::Motion(id) => (*b"move", u32::from(id.0)),
+        StreamPurpose::Odometry(id) => (*b"odom", u32::from(id.0)),
     };
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(u64::from(u32::from_be_bytes(tag)) << 32 | u64::from(index));
@@ -67,10 +76,15 @@ mod tests {
             first(1, StreamPurpose::Walk(TargetId(1))),
             first(1, StreamPurpose::Navigation(AgentId(0))),
             first(1, StreamPurpose::Navigation(AgentId(1))),
+            first(1, StreamPurpose::Desert),
+            first(1, StreamPurpose::Motion(AgentId(0))),
+            first(1, StreamPurpose::Motion(AgentId(1))),
+            first(1, StreamPurpose::Odometry(AgentId(0))),
+            first(1, StreamPurpose::Odometry(AgentId(1))),
         ];
         assert_eq!(draws[0], first(1, StreamPurpose::Streets));
         draws.sort_unstable();
         draws.dedup();
-        assert_eq!(draws.len(), 10);
+        assert_eq!(draws.len(), 15);
     }
 }

@@ -1,17 +1,23 @@
-//! What a UAV carries: a camera whose pixels are labelled, or one with a detector.
+//! What a UAV carries: a camera whose pixels are labelled, one with a detector, or one that segments roads.
 
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::detector::DetectorModel;
 use csat_proto::frame::Frame;
 use csat_proto::ids::AgentId;
+pub use csat_proto::model::RoadSensor;
 use csat_proto::time::Step;
 use nalgebra::Vector3;
 use rand::RngExt;
 
 use crate::camera::Renderer;
 use crate::camera::noise::{NoisePurpose, Stream};
+use crate::road_area::RoadArea;
 use crate::scene::Scene;
 use crate::target::TargetTruth;
+
+mod roads;
+
+pub use roads::mistakes;
 
 /// The kind of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,13 +26,15 @@ pub enum SensorModel {
     Labels(CameraModel),
     /// A camera with a detector that reports one image point or nothing.
     Detector(CameraModel, DetectorModel),
+    /// A camera that looks straight down and segments roads.
+    Roads(CameraModel, RoadSensor),
 }
 
 impl SensorModel {
     /// Its camera.
     pub fn camera(&self) -> &CameraModel {
         match self {
-            Self::Labels(camera) | Self::Detector(camera, _) => camera,
+            Self::Labels(camera) | Self::Detector(camera, _) | Self::Roads(camera, _) => camera,
         }
     }
 }
@@ -42,6 +50,8 @@ pub struct Sight<'a> {
     pub scene: &'a Scene,
     /// All targets, by index.
     pub targets: &'a [TargetTruth],
+    /// R, for cameras that segment roads; without it they see none.
+    pub roads: Option<&'a RoadArea>,
 }
 
 /// A sensor of one UAV.
@@ -51,6 +61,8 @@ pub enum Sensor {
     Labels(Box<Renderer>),
     /// It detects targets.
     Detector(CameraModel, DetectorModel),
+    /// It segments roads.
+    Roads(CameraModel, RoadSensor),
 }
 
 impl Sensor {
@@ -59,6 +71,7 @@ impl Sensor {
         match model {
             SensorModel::Labels(camera) => Self::Labels(Box::new(Renderer::new(camera))),
             SensorModel::Detector(camera, detector) => Self::Detector(camera, detector),
+            SensorModel::Roads(camera, roads) => Self::Roads(camera, roads),
         }
     }
 
@@ -72,16 +85,20 @@ impl Sensor {
         pose: &Pose,
         reported: &Pose,
     ) -> Frame {
-        let &Sight { step, seed, scene, targets } = sight;
+        let &Sight { step, seed, scene, targets, roads } = sight;
+        let stream = Stream { seed, agent, step };
         match self {
             Self::Labels(renderer) => {
                 let frame = renderer.frame(scene, pose, step, seed, agent);
                 Frame { pose: *reported, ..frame }
             }
             Self::Detector(camera, detector) => {
-                let stream = Stream { seed, agent, step };
                 let sighting = sighting(camera, detector, pose, targets, stream);
                 Frame::of_detector(step, *reported, sighting)
+            }
+            Self::Roads(camera, model) => {
+                let labels = roads::labels(camera, model, pose, roads, stream);
+                Frame { labels, ..Frame::of_detector(step, *reported, None) }
             }
         }
     }
@@ -153,7 +170,7 @@ mod tests {
         let mut sensor = Sensor::new(SensorModel::Detector(CAMERA, detector));
         let scene = Scene::default();
         let mut frame = |step| {
-            let sight = Sight { step: Step(step), seed: 3, scene: &scene, targets };
+            let sight = Sight { step: Step(step), seed: 3, scene: &scene, targets, roads: None };
             let reported = Pose { yaw_rad: 0.4, ..pose() };
             let frame = sensor.frame(&sight, AgentId(1), &pose(), &reported);
             assert_eq!((frame.pose, frame.labels.len()), (reported, 0));
@@ -203,7 +220,7 @@ mod tests {
     #[test]
     fn a_labelled_frame_is_seen_from_the_true_pose_and_has_the_reported_one() {
         let scene = Scene { prisms: vec![at(0, [10.0, 20.0]).prism([4.6, 1.8, 1.5])] };
-        let sight = Sight { step: Step(2), seed: 3, scene: &scene, targets: &[] };
+        let sight = Sight { step: Step(2), seed: 3, scene: &scene, targets: &[], roads: None };
         let mut sensor = Sensor::new(SensorModel::Labels(CAMERA));
         let reported = Pose { yaw_rad: 1.4, ..pose() };
         let frame = sensor.frame(&sight, AgentId(0), &pose(), &reported);

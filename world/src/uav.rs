@@ -3,10 +3,14 @@
 use csat_proto::camera::Pose;
 use csat_proto::command::Command;
 use csat_proto::fixed_wing::FixedWing;
+use csat_proto::ids::AgentId;
 use csat_proto::model::{FleetModel, Ground, VehicleKind};
 
+mod multirotor;
 mod quadcopter;
 
+use crate::random::{StreamPurpose, stream};
+use multirotor::Multirotor;
 use quadcopter::Quadcopter;
 
 /// A vehicle that carries a camera and follows commands.
@@ -21,8 +25,8 @@ pub trait Vehicle: std::fmt::Debug + Send + Sync {
     fn advance(&mut self, dt_s: f64);
 }
 
-/// UAV `index` of the fleet where it starts, at its own altitude.
-pub fn at_start(fleet: &FleetModel, ground: &Ground, index: u16) -> Box<dyn Vehicle> {
+/// UAV `index` of the fleet where it starts, at its own altitude. The seed is that of the errors of its motion.
+pub fn at_start(fleet: &FleetModel, ground: &Ground, index: u16, seed: u64) -> Box<dyn Vehicle> {
     let start = fleet.start_of(index, ground);
     let p_world = [start.x_m, start.y_m, fleet.altitude_of(index)];
     let (yaw_rad, speed_m_s) = (start.yaw_deg.to_radians(), fleet.speed_m_s);
@@ -32,6 +36,11 @@ pub fn at_start(fleet: &FleetModel, ground: &Ground, index: u16) -> Box<dyn Vehi
         }
         VehicleKind::FixedWing => {
             Box::new(FixedWing::level(fleet.fixed_wing, p_world, yaw_rad, speed_m_s))
+        }
+        VehicleKind::Multirotor => {
+            let rng = stream(seed, StreamPurpose::Motion(AgentId(index)));
+            let error_m = fleet.multirotor.motion_error_m;
+            Box::new(Multirotor::new(p_world, speed_m_s, error_m, rng))
         }
     }
 }
@@ -62,7 +71,7 @@ mod tests {
     fn the_fleet_starts_together_each_at_its_altitude() {
         let ground = Ground { size_m: [500.0, 300.0] };
         let fleet = FleetModel::default();
-        let pose = at_start(&fleet, &ground, 2).pose();
+        let pose = at_start(&fleet, &ground, 2, 1).pose();
         assert_eq!(pose, Pose::level([-260.0, 0.0, 58.0], 0.0));
     }
 
@@ -72,13 +81,13 @@ mod tests {
         let poses = [(10.0, -20.0, 90.0), (30.0, 40.0, 0.0)];
         let start = poses.map(|(x_m, y_m, yaw_deg)| StartPose { x_m, y_m, yaw_deg });
         let each = FleetModel { count: 2, start: start.into(), ..FleetModel::default() };
-        let pose = |fleet: &FleetModel, i| at_start(fleet, &ground, i).pose();
+        let pose = |fleet: &FleetModel, i| at_start(fleet, &ground, i, 1).pose();
         let quarter = std::f64::consts::FRAC_PI_2;
         assert_eq!(pose(&each, 0), Pose::level([10.0, -20.0, 52.0], quarter));
         assert_eq!(pose(&each, 1), Pose::level([30.0, 40.0, 55.0], 0.0));
         let base = FleetModel { start: start[..1].into(), ..FleetModel::default() };
         assert_eq!(pose(&base, 3), Pose::level([10.0, -20.0, 61.0], quarter));
-        let mut uav = at_start(&base, &ground, 0);
+        let mut uav = at_start(&base, &ground, 0, 1);
         uav.advance(2.0);
         assert!((uav.pose().p_world[1] + 10.0).abs() < 1e-9, "it flies along its yaw");
     }
@@ -93,7 +102,7 @@ mod tests {
             fixed_wing: FixedWingModel { wind_m_s, ..FixedWingModel::default() },
             ..FleetModel::default()
         };
-        let mut uav = at_start(&fleet, &ground, 1);
+        let mut uav = at_start(&fleet, &ground, 1, 1);
         assert_eq!((uav.pose().p_world, uav.pose().roll_rad), ([-260.0, 0.0, 55.0], 0.0));
         assert_eq!(uav.pose().pitch_rad, -4f64.to_radians());
         uav.advance(1.0);

@@ -1,16 +1,23 @@
 //! The state of the world, which advances by one period at a time.
 
+use std::sync::Arc;
+
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::command::Command;
 use csat_proto::ids::AgentId;
-use csat_proto::model::{Driving, FleetModel, Ground, Station, TargetsModel};
+use csat_proto::model::{
+    Driving, FleetModel, Ground, OdometryModel, RoadSensor, Station, TargetsModel,
+};
 use csat_proto::time::Step;
 
 use crate::map::{self, Map, MapConfig, MapError, MapRules, MapWarning};
 use crate::navigation::{Navigation, NavigationModel};
 use crate::obstacle::{Obstacle, Walls};
+use crate::odometry::Odometry;
 use crate::road::{RoadGraph, RoadRules};
+use crate::road_area::RoadArea;
 use crate::scene::{Prism, Scene};
+use crate::start_line::{StartLine, StartLineError};
 use crate::target::{
     Chase, OffRoad, OffRoadError, PlacementError, TargetTruth, Traffic, Walkers, Watcher,
     road_clearance_m,
@@ -20,12 +27,14 @@ use crate::truth::Monitor;
 use crate::uav::{self, Vehicle};
 
 mod check;
+mod cleared;
 mod launch;
 pub mod stations;
 #[cfg(test)]
 mod tests;
 
 use check::{lowest_altitude_m, mistakes};
+use cleared::Cleared;
 use stations::StationError;
 
 /// Room between the border of the region and the cylinder of a car on any road, metres.
@@ -50,6 +59,10 @@ pub struct WorldConfig {
     pub camera: CameraModel,
     /// The errors of reported poses; `None` where they are exact.
     pub navigation: Option<NavigationModel>,
+    /// The errors of reported poses that are relative to the start; `None` where they are not.
+    pub odometry: Option<OdometryModel>,
+    /// What cameras that segment roads get wrong; `None` where none does.
+    pub segmentation: Option<RoadSensor>,
     /// T, seconds.
     pub period_s: f64,
 }
@@ -64,6 +77,8 @@ impl Default for WorldConfig {
             stations: Vec::new(),
             camera: CameraModel::default(),
             navigation: None,
+            odometry: None,
+            segmentation: None,
             period_s: 0.5,
         }
     }
@@ -99,6 +114,9 @@ pub enum WorldError {
     /// The map.
     #[error(transparent)]
     Map(#[from] MapError),
+    /// No start line.
+    #[error(transparent)]
+    StartLine(#[from] StartLineError),
     /// No room for all cars.
     #[error(transparent)]
     Placement(#[from] PlacementError),
@@ -178,6 +196,9 @@ pub struct World {
     vehicles: Vec<Box<dyn Vehicle>>,
     /// By UAV; empty where reported poses are exact.
     navigation: Vec<Navigation>,
+    /// By UAV; empty where reported poses are not relative to the start.
+    odometry: Vec<Odometry>,
+    cleared: Option<Cleared>,
     step: Step,
 }
 
@@ -280,7 +301,15 @@ impl World {
             Ok(cars) => cars,
             Err(errors) => return Err(WorldErrors { errors, map_warnings: map.warnings }),
         };
-        let at_start = |index| uav::at_start(&config.fleet, &map.ground, index);
+        let cleared = match Cleared::of(config, &map) {
+            Ok(cleared) => cleared,
+            Err(error) => {
+                return Err(WorldErrors { errors: vec![error.into()], map_warnings: map.warnings });
+            }
+        };
+        let fleet = cleared.as_ref().map(|cleared| cleared.launched(&config.fleet));
+        let config = WorldConfig { fleet: fleet.unwrap_or(config.fleet.clone()), ..config.clone() };
+        let at_start = |index| uav::at_start(&config.fleet, &map.ground, index, seed);
         let vehicles: Vec<Box<dyn Vehicle>> = (0..config.fleet.count).map(at_start).collect();
         if config.fleet.avoid_buildings {
             let starts: Vec<Pose> = vehicles.iter().map(|v| v.pose()).collect();
@@ -292,9 +321,25 @@ impl World {
             (0..config.fleet.count).map(system)
         });
         let navigation = navigation.collect();
-        let config = config.clone();
+        let odometry = config.odometry.iter().flat_map(|model| {
+            let systems = (0..).zip(&vehicles);
+            systems.map(|(id, uav)| Odometry::new(*model, &uav.pose(), seed, AgentId(id)))
+        });
+        let odometry = odometry.collect();
         let step = Step(0);
-        Ok(Self { config, map, prisms, walls, roads, cars, vehicles, navigation, step })
+        Ok(Self {
+            config,
+            map,
+            prisms,
+            walls,
+            roads,
+            cars,
+            vehicles,
+            navigation,
+            odometry,
+            cleared,
+            step,
+        })
     }
 
     /// Lets one period T pass: k becomes k + 1.
@@ -315,6 +360,9 @@ impl World {
             vehicle.advance(period_s);
         }
         self.navigation.iter_mut().for_each(Navigation::advance);
+        for (odometry, vehicle) in self.odometry.iter_mut().zip(&self.vehicles) {
+            odometry.advance(&vehicle.pose());
+        }
     }
 
     /// Lets the cars evade for one period; they react to what the UAVs see at its beginning.
@@ -359,11 +407,15 @@ impl World {
         self.vehicles.iter().map(|v| v.pose()).chain(stations).collect()
     }
 
-    /// The same as the agents are told: poses of UAVs have errors if [`WorldConfig::navigation`] says so.
+    /// The same as the agents are told: poses of UAVs have errors if [`WorldConfig::navigation`] says so, or are
+    /// relative to their starts if [`WorldConfig::odometry`] does.
     pub fn reported_poses(&self) -> Vec<Pose> {
         let mut poses = self.poses();
         for (pose, navigation) in poses.iter_mut().zip(&self.navigation) {
             *pose = navigation.reported(pose);
+        }
+        for (pose, odometry) in poses.iter_mut().zip(&self.odometry) {
+            *pose = odometry.reported(pose);
         }
         poses
     }
@@ -385,6 +437,16 @@ impl World {
     /// Where cars can drive.
     pub fn roads(&self) -> &RoadGraph {
         &self.roads
+    }
+
+    /// R, where cameras segment roads.
+    pub fn road_area(&self) -> Option<&Arc<RoadArea>> {
+        self.cleared.as_ref().map(|cleared| &cleared.roads)
+    }
+
+    /// S, where cameras segment roads.
+    pub fn start_line(&self) -> Option<&StartLine> {
+        self.cleared.as_ref().map(|cleared| &cleared.start_line)
     }
 
     /// The region of interest.

@@ -23,6 +23,7 @@ pub(crate) enum NoisePurpose {
     Depth = 0,
     Boxes = 1,
     Sighting = 2,
+    Segmentation = 3,
 }
 
 impl Stream {
@@ -110,6 +111,7 @@ mod tests {
             stream.rng(NoisePurpose::Depth),
             stream.rng(NoisePurpose::Boxes),
             stream.rng(NoisePurpose::Sighting),
+            stream.rng(NoisePurpose::Segmentation),
             Stream { seed: 2, ..stream }.rng(NoisePurpose::Depth),
             Stream { agent: AgentId(3), ..stream }.rng(NoisePurpose::Depth),
             Stream { step: Step(4), ..stream }.rng(NoisePurpose::Depth),
@@ -117,6 +119,6 @@ mod tests {
         let mut first: Vec<u64> = all.into_iter().map(|mut rng| rng.next_u64()).collect();
         first.sort_unstable();
         first.dedup();
-        assert_eq!(first.len(), 6);
+        assert_eq!(first.len(), 7);
     }
 }

@@ -3,9 +3,11 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `generate` | a seeded town of streets and buildings |
+//! | `desert` | a seeded suburb of streets without buildings |
 //! | [`geojson`] | real towns from RFC 7946 files |
 //! | `repair` | outlines of real towns made valid |
 //! | `merge` | outlines that overlap made disjoint |
+//! | `mistakes` | impossible values of the scenario |
 //! | `project` | longitude and latitude to the local tangent plane |
 //! | `causes` | warnings by cause |
 //! | `count` | what became of each feature of a file |
@@ -19,15 +21,19 @@ use serde::{Deserialize, Serialize};
 
 mod causes;
 mod count;
+mod desert;
 mod generate;
 pub mod geojson;
 mod merge;
+mod mistakes;
 mod project;
 mod repair;
 mod report;
 
 pub use causes::by_cause;
 pub use count::{FeatureCount, LeftOut};
+pub use desert::DesertModel;
+pub use mistakes::mistakes;
 pub use project::TangentPlane;
 pub use report::{FeatureRef, MapError, MapWarning};
 
@@ -38,6 +44,9 @@ use crate::obstacle::Obstacle;
 const SIZES_M: RangeInclusive<f64> = 20.0..=4000.0;
 
 pub use csat_proto::model::FLIGHT_CLEARANCE_M;
+
+/// The width of roads whose width is not known, metres.
+pub const ROAD_WIDTH_M: f64 = 6.0;
 
 /// The greatest height of a building, metres.
 pub const MAX_HEIGHT_M: f64 = 1000.0;
@@ -53,6 +62,8 @@ pub enum MapKind {
     GeoJson,
     /// No town: ground without buildings and roads.
     Open,
+    /// Streets without buildings, from the seed: a grid with gaps, dead ends and loops.
+    Desert,
 }
 
 /// What polygons without tags are.
@@ -86,8 +97,15 @@ pub struct MapConfig {
     pub min_height_m: f64,
     /// Highest building, metres; kind `generated`.
     pub max_height_m: f64,
-    /// Mean distance between parallel streets, metres; kind `generated`.
+    /// Mean distance between parallel streets, metres; kinds `generated` and `desert`.
     pub road_spacing_m: f64,
+    /// Which streets there are; kind `desert`.
+    #[serde(skip_serializing_if = "DesertModel::is_usual")]
+    pub desert: DesertModel,
+    /// A point on a road at the border of the region, [east, north] in metres of `world`: what UAVs clear are
+    /// the roads connected to it. Without it, it is on the road nearest to the middle of the western border.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_line: Option<[f64; 2]>,
 }
 
 impl Default for MapConfig {
@@ -101,6 +119,8 @@ impl Default for MapConfig {
             min_height_m: 6.0,
             max_height_m: 45.0,
             road_spacing_m: 95.0,
+            desert: DesertModel::default(),
+            start_line: None,
         }
     }
 }
@@ -135,6 +155,8 @@ pub struct Map {
     pub obstacles: Vec<Obstacle>,
     /// Centre lines of roads as mapped, `world`, metres: neither clipped nor clear of walls.
     pub roads: Vec<Vec<[f64; 2]>>,
+    /// The widths of the roads by index, metres; roads beyond its end are [`ROAD_WIDTH_M`] wide.
+    pub road_widths_m: Vec<f64>,
     /// The position of the middle of the region on Earth, [longitude, latitude] in degrees; `None`
     /// for a generated town.
     pub centre_deg: Option<[f64; 2]>,
@@ -153,6 +175,7 @@ impl Map {
             ground,
             obstacles: Vec::new(),
             roads: Vec::new(),
+            road_widths_m: Vec::new(),
             centre_deg: None,
             attribution: None,
             count: FeatureCount::default(),
@@ -164,6 +187,11 @@ impl Map {
     pub fn built_share(&self) -> f64 {
         // Without obstacles the sum is -0, which would be printed.
         (self.obstacles.iter().map(Obstacle::area_m2).sum::<f64>() + 0.0) / self.ground.area_m2()
+    }
+
+    /// The width of a road, metres.
+    pub fn road_width_m(&self, road: usize) -> f64 {
+        self.road_widths_m.get(road).copied().unwrap_or(ROAD_WIDTH_M)
     }
 
     /// The tangent plane between `world` and longitude and latitude; a town without a position on
@@ -188,6 +216,7 @@ pub fn load(config: &MapConfig, rules: &MapRules, seed: u64) -> Result<Map, Vec<
                 .map_err(|e| vec![MapError::Read { path: path.clone(), reason: e.to_string() }])?;
             geojson::import(&text, Ground { size_m: config.size_m }, rules, config.untagged)
         }
+        (MapKind::Desert, _) => Ok(desert::streets(config, seed)),
         (MapKind::Open, _) => Ok(Map::open(Ground { size_m: config.size_m })),
         _ => generate::generate(config, rules, seed).map_err(|e| vec![e]),
     }
@@ -207,84 +236,6 @@ pub fn from_geojson(
         return Err(errors);
     }
     geojson::import(text, Ground { size_m: config.size_m }, rules, config.untagged)
-}
-
-/// The mistakes that can be found without reading a file.
-pub fn mistakes(config: &MapConfig, rules: &MapRules) -> Vec<MapError> {
-    let mut errors = Vec::new();
-    let mut expect = |holds: bool, key: &'static str, got: String, expected: String| {
-        if !holds {
-            errors.push(MapError::Config { key, got, expected });
-        }
-    };
-    let size_ok = config.size_m.iter().all(|s| SIZES_M.contains(s));
-    let size_expected = format!("two lengths from {} to {} m", SIZES_M.start(), SIZES_M.end());
-    let [east, north] = config.size_m;
-    expect(size_ok, "map.size_m", format!("[{east}, {north}]"), size_expected);
-    let limit = rules.height_limit_m();
-    expect(
-        limit > 1.0,
-        "agents.altitude_m",
-        format!("{} m for the lowest UAV", rules.lowest_altitude_m),
-        format!("more than {} m", FLIGHT_CLEARANCE_M + 1.0),
-    );
-    match config.kind {
-        MapKind::GeoJson => {
-            let got = "left out with kind = \"geojson\"".into();
-            expect(config.file.is_some(), "map.file", got, "a GeoJSON file".into());
-        }
-        MapKind::Generated => {
-            no_file(config, "generated", &mut expect);
-            town(config, rules, &mut expect);
-        }
-        MapKind::Open => {
-            no_file(config, "open", &mut expect);
-            let usual = MapConfig::default();
-            let of_towns = [
-                ("map.built_share", config.built_share, usual.built_share),
-                ("map.min_height_m", config.min_height_m, usual.min_height_m),
-                ("map.max_height_m", config.max_height_m, usual.max_height_m),
-                ("map.road_spacing_m", config.road_spacing_m, usual.road_spacing_m),
-            ];
-            for (key, got, usual) in of_towns {
-                let got_text = format!("{got} with kind = \"open\"");
-                expect(got == usual, key, got_text, "no such key: there is no town".into());
-            }
-        }
-    }
-    errors
-}
-
-/// Takes whether a value holds, its key, the value, and what is expected.
-type Expect<'a> = dyn FnMut(bool, &'static str, String, String) + 'a;
-
-/// The keys of imported towns, in a map that is none.
-fn no_file(config: &MapConfig, kind: &str, expect: &mut Expect<'_>) {
-    let file = config.file.as_deref().unwrap_or(std::path::Path::new(""));
-    let got = format!("`{}` with kind = \"{kind}\"", file.display());
-    expect(config.file.is_none(), "map.file", got, "kind = \"geojson\" or no file".into());
-    let got = format!("set with kind = \"{kind}\"");
-    let expected = "kind = \"geojson\" or no key".into();
-    expect(config.untagged.is_none(), "map.untagged", got, expected);
-}
-
-/// The keys of generated towns.
-fn town(config: &MapConfig, rules: &MapRules, expect: &mut Expect<'_>) {
-    let share_ok = (0.0..1.0).contains(&config.built_share);
-    let got = config.built_share.to_string();
-    expect(share_ok, "map.built_share", got, "a share from 0 to below 1".into());
-    let spacing_ok = (40.0..=1000.0).contains(&config.road_spacing_m);
-    let got = config.road_spacing_m.to_string();
-    expect(spacing_ok, "map.road_spacing_m", got, "40 to 1000 m".into());
-    let heights = [config.min_height_m, config.max_height_m];
-    let is_around = rules.lowest_altitude_m == f64::INFINITY;
-    let most_m = if is_around { MAX_HEIGHT_M } else { f64::MAX };
-    let heights_ok = heights[0] > 0.0 && heights[0] <= heights[1] && heights[1] <= most_m;
-    let expected = match is_around {
-        true => format!("0 < min_height_m <= max_height_m <= {MAX_HEIGHT_M} m"),
-        false => "0 < min_height_m <= max_height_m".into(),
-    };
-    expect(heights_ok, "map.max_height_m", format!("{heights:?}"), expected);
 }
 
 #[cfg(test)]

@@ -3,23 +3,43 @@
 use ::geojson::GeometryValue;
 use serde_json::{Map as JsonObject, Value};
 
-use super::super::Untagged;
 use super::super::count::LeftOut;
+use super::super::{ROAD_WIDTH_M, Untagged};
+use super::length::metres;
 
-/// Values of `highway` that cars use; links (`primary_link`) included.
-const DRIVABLE: [&str; 11] = [
-    "motorway",
-    "trunk",
-    "primary",
-    "secondary",
-    "tertiary",
-    "unclassified",
-    "residential",
-    "living_street",
-    "service",
-    "road",
-    "busway",
+/// Values of `highway` that cars use, and the widths of such roads, metres; links (`primary_link`) are at most
+/// [`LINK_M`] wide.
+const DRIVABLE: [(&str, f64); 11] = [
+    ("motorway", 15.0),
+    ("trunk", 12.0),
+    ("primary", 10.0),
+    ("secondary", 8.0),
+    ("tertiary", 7.0),
+    ("unclassified", 6.0),
+    ("residential", 6.0),
+    ("living_street", 5.0),
+    ("service", 4.0),
+    ("road", ROAD_WIDTH_M),
+    ("busway", 6.0),
 ];
+/// The width of a link between roads, a lane and its shoulders, metres.
+const LINK_M: f64 = 6.0;
+/// What a `width` may be, metres.
+const WIDTHS_M: std::ops::RangeInclusive<f64> = 1.0..=100.0;
+
+/// The width of a road, metres: its `width` if it can be read and is possible, else the usual one of its class.
+pub(super) fn road_width_m(properties: &JsonObject<String, Value>) -> f64 {
+    let tagged = properties.get("width").and_then(metres).filter(|m| WIDTHS_M.contains(m));
+    let highway = properties.get("highway").and_then(Value::as_str).unwrap_or_default();
+    tagged.or_else(|| class_width_m(highway)).unwrap_or(ROAD_WIDTH_M)
+}
+
+/// The usual width of roads with this `highway`, metres; `None` where cars do not drive.
+fn class_width_m(highway: &str) -> Option<f64> {
+    let class = highway.trim_end_matches("_link");
+    let width_m = DRIVABLE.iter().find(|(name, _)| *name == class)?.1;
+    Some(if class == highway { width_m } else { width_m.min(LINK_M) })
+}
 
 /// Keys of areas that are not buildings (OpenStreetMap wiki, *Map features*).
 const OTHER_AREAS: [&str; 28] = [
@@ -82,7 +102,7 @@ pub(super) fn kind_of(
         };
     }
     if let Some(highway) = text("highway") {
-        let drivable = DRIVABLE.contains(&highway.trim_end_matches("_link"));
+        let drivable = class_width_m(highway).is_some();
         return match text("tunnel") {
             _ if !drivable => Err(LeftOut::NotDrivable),
             Some(tunnel) if tunnel != "no" => Err(LeftOut::Tunnel),
@@ -137,5 +157,29 @@ impl Tag {
             },
             Some(other) => Self::Odd(other.to_string()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn roads_are_as_wide_as_tagged_or_else_as_their_class() {
+        for (tags, expected_m) in [
+            (json!({ "highway": "motorway" }), 15.0),
+            (json!({ "highway": "residential" }), 6.0),
+            (json!({ "highway": "service" }), 4.0),
+            (json!({ "highway": "motorway_link" }), 6.0),
+            (json!({ "highway": "service", "width": "7.5 m" }), 7.5),
+            (json!({ "highway": "service", "width": 3 }), 3.0),
+            (json!({ "highway": "service", "width": "wide" }), 4.0),
+            (json!({ "highway": "service", "width": "500" }), 4.0),
+            (json!({ "highway": "service", "width": 0 }), 4.0),
+        ] {
+            assert_eq!(road_width_m(tags.as_object().unwrap()), expected_m, "{tags}");
+        }
+        assert_eq!(class_width_m("footway"), None);
     }
 }

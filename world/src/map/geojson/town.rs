@@ -10,6 +10,7 @@ use super::super::project::TangentPlane;
 use super::super::report::MapWarning;
 use super::super::{Map, MapRules, repair};
 use super::height::heights;
+use super::kind::road_width_m;
 use super::parts::{self, Solid};
 use super::{FeatureKind, Parsed};
 use crate::plane::{Bounds, Point};
@@ -25,10 +26,14 @@ pub(super) struct Town<'a> {
 
 impl Town<'_> {
     pub fn build(mut self, parsed: &[Parsed], attribution: Option<String>) -> Map {
-        let (mut solids, mut roads) = (Vec::new(), Vec::new());
+        let (mut solids, mut roads, mut road_widths_m) = (Vec::new(), Vec::new(), Vec::new());
         for feature in parsed {
             let built = match feature.kind {
-                FeatureKind::Road => self.road(feature, &mut roads),
+                FeatureKind::Road => {
+                    let built = self.road(feature, &mut roads);
+                    road_widths_m.resize(roads.len(), road_width_m(&feature.properties));
+                    built
+                }
                 _ => self.solid(feature).map(|solid| solids.push(solid)),
             };
             if let Err(reason) = built {
@@ -52,6 +57,7 @@ impl Town<'_> {
             ground: self.ground,
             obstacles,
             roads,
+            road_widths_m,
             centre_deg: Some(self.plane.centre_deg()),
             attribution,
             count: self.count,
