@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`scenario`] | reads scenarios and reports every mistake at once |
 //! | [`missions`] | the list of missions that a program flies |
-//! | [`set_membership`], [`bayes`] | the set-membership mission, and the Bayesian search |
+//! | [`set_membership`], [`bayes`], [`clearing`] | the missions that ship with csat |
 //! | [`flight`] | flies, measures and records a mission |
 //! | [`world`], [`truth`] | the process of the world in a fleet of processes, and what it publishes |
 //! | [`record`], [`run_folder`] | writes a run down while it flies; a folder that is whole or not there |
@@ -19,6 +19,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)] // They panic: see `csat_peer::terminal`.
 
 pub mod bayes;
+pub mod clearing;
 pub mod flight;
 pub mod metrics_file;
 pub mod missions;

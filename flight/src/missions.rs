@@ -6,6 +6,7 @@ use csat_peer::agent::{AgentError, Setup, Welcomed};
 use zenoh::Session;
 
 use crate::bayes::Bayes;
+use crate::clearing::Clearing;
 use crate::flight::{self, RunOptions};
 use crate::record::{Outcome, RecordError, Recorder};
 pub use crate::scenario::missions::{Entry, Listed, Offered};
@@ -107,7 +108,7 @@ fn recording<M: Offered>(flight: &Request<'_>) -> Result<Option<Recording<M>>, R
 pub type Missions = &'static [&'static dyn Flyable];
 
 /// What `csat` flies.
-pub const SHIPPED: Missions = &[&Entry::<SetMembership>::new(), &Entry::<Bayes>::new()];
+pub const SHIPPED: Missions = &[&Entry::<SetMembership>::new(), &Entry::<Bayes>::new(), &Entry::<Clearing>::new()];
 
 static INSTALLED: OnceLock<Missions> = OnceLock::new();
 

@@ -305,6 +305,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             seed: self.seed,
             scene: self.world.scene(),
             targets: self.world.targets().to_vec(),
+            roads: self.world.road_area().cloned(),
             poses: self.world.poses(),
             reported: self.world.reported_poses(),
             lives: self.lives.iter().map(|l| l.is_alive.then_some(l.incarnation)).collect(),

@@ -12,6 +12,7 @@ use csat_proto::camera::Pose;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::{SimTime, Step};
+use csat_world::road_area::RoadArea;
 use csat_world::scene::Scene;
 use csat_world::sensor::{Sensor, Sight};
 use csat_world::target::TargetTruth;
@@ -46,6 +47,8 @@ pub struct Brief {
     pub scene: Scene,
     /// The targets, by index.
     pub targets: Vec<TargetTruth>,
+    /// The roads, where cameras segment them.
+    pub roads: Option<Arc<RoadArea>>,
     /// Where the agents are, by index.
     pub poses: Vec<Pose>,
     /// Where they are told they are, by index.
@@ -63,8 +66,9 @@ impl Brief {
     pub fn frame(&self, sensor: &mut Sensor, id: AgentId) -> Frame {
         let index = usize::from(id.0);
         let (pose, reported) = (&self.poses[index], &self.reported[index]);
-        let Self { step, seed, scene, targets, .. } = self;
-        let sight = Sight { step: *step, seed: *seed, scene, targets };
+        let Self { step, seed, scene, targets, roads, .. } = self;
+        let roads = roads.as_deref();
+        let sight = Sight { step: *step, seed: *seed, scene, targets, roads };
         info_span!("render").in_scope(|| sensor.frame(&sight, id, pose, reported))
     }
 }

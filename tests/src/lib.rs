@@ -9,12 +9,14 @@
 //! | [`pair`] | agents and links that lose, delay, repeat and reorder packets |
 //! | [`flight`] | a small world around a pair |
 //! | [`bayes`] | the Bayesian search: its swarm, its calibration, and its equations once more |
+//! | [`clearing`] | road clearing: its swarm |
 //! | [`swarm`] | missions with every fault, drawn from one seed, and the laws that hold in them |
 //! | [`drawn`] | legal scenarios, also extreme ones, drawn from one seed |
 //! | [`fuzz`] | the checks of the fuzzers on arbitrary bytes |
 //! | [`missions`] | whole missions through the engine |
 
 pub mod bayes;
+pub mod clearing;
 pub mod drawn;
 pub mod flight;
 pub mod fuzz;

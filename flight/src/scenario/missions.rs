@@ -12,6 +12,7 @@ use super::issue::Issue;
 use super::mistake::quoted_list;
 use super::model::Scenario;
 use crate::bayes::Bayes;
+use crate::clearing::Clearing;
 use crate::set_membership::SetMembership;
 
 /// A mission that scenarios can ask for.
@@ -110,7 +111,8 @@ pub fn install(missions: Vec<&'static dyn Listed>) {
 
 /// The list of this program; without one that was installed, the missions that ship with csat.
 pub fn all() -> &'static [&'static dyn Listed] {
-    const SHIPPED: [&dyn Listed; 2] = [&Entry::<SetMembership>::new(), &Entry::<Bayes>::new()];
+    const SHIPPED: [&dyn Listed; 3] =
+        [&Entry::<SetMembership>::new(), &Entry::<Bayes>::new(), &Entry::<Clearing>::new()];
     INSTALLED.get_or_init(|| SHIPPED.to_vec())
 }
 

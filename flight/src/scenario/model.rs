@@ -160,6 +160,8 @@ impl Scenario {
             stations: self.stations.clone(),
             camera: self.camera,
             navigation: None,
+            odometry: None,
+            segmentation: None,
             period_s: self.run.period_s,
         };
         if let Some(mission) = missions::find(&self.mission) {

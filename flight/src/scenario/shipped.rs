@@ -46,6 +46,10 @@ pub const SCENARIOS: [Shipped; 8] = [
         name: "helsinki-17",
         text: include_str!("../../../experiments/scenarios/helsinki-17.toml"),
     },
+    Shipped {
+        name: "clearing",
+        text: include_str!("../../../experiments/scenarios/clearing.toml"),
+    },
     Shipped { name: "tisdale", text: include_str!("../../../experiments/scenarios/tisdale.toml") },
 ];
 

@@ -3,6 +3,7 @@
 //! The town's own values (`map.*`) are judged by `csat-world` when it makes the town.
 
 pub mod bayes;
+pub mod clearing;
 mod camera;
 mod cost;
 mod exchange;

@@ -75,6 +75,7 @@ pub fn make(
 
 fn row(error: WorldError) -> Option<TrackError> {
     match error {
+        WorldError::StartLine(error) => ("map.start_line", Mistake::new(error.to_string())),
         WorldError::Track(error) => Some(error),
         _ => None,
     }

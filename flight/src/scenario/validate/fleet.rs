@@ -18,11 +18,12 @@ pub(super) fn judge(check: &mut Check, scenario: &Scenario) -> bool {
     start(check, fleet, scenario.map.size_m);
     vehicle(check, fleet);
     let step = fleet.altitude_step_m;
+    let is_multirotor = fleet.vehicle == VehicleKind::Multirotor;
     check.that(
-        step.is_finite() && (step != 0.0 || fleet.count < 2),
+        step.is_finite() && (step != 0.0 || fleet.count < 2 || is_multirotor),
         &["agents.altitude_step_m"],
         &step.to_string(),
-        "a number other than 0: each UAV has an altitude of its own",
+        "a number other than 0: each UAV has an altitude of its own, except for multirotors",
     );
     check.positive("agents.altitude_band_m", fleet.altitude_band_m);
     above_all(check, scenario);

@@ -1,0 +1,129 @@
+//! What is drawn of an agent of road clearing.
+
+use std::borrow::Cow;
+
+use csat_clearing::bitmap::Bitmap;
+use csat_clearing::formation::RoleName;
+use csat_mission::picture::{Area, Cells, Content, Layer, Properties, Ring, to_millimetre};
+use csat_mission::style::{Colour, Fill, Form, Line, Style};
+use csat_proto::camera::CameraModel;
+use csat_world::contamination::Square;
+use serde_json::json;
+
+use super::report::Report;
+
+/// Half the width of the mark of a UAV that is no cleaner, metres.
+const MARK_M: f64 = 7.0;
+
+const fn cells(key: &'static str, title: &'static str, colour: &'static str, fill: Fill) -> Style {
+    Style {
+        key: Cow::Borrowed(key),
+        title: Cow::Borrowed(title),
+        kind: Form::Cells,
+        colour: Colour::fixed(colour),
+        fill,
+        line: None,
+        label: None,
+        mark: None,
+        unit: None,
+        panel: None,
+        is_ground: true,
+        is_in_scene: true,
+    }
+}
+
+const fn role(key: &'static str, title: &'static str, colour: &'static str, opacity: f64) -> Style {
+    Style {
+        kind: Form::Areas,
+        line: Some(Line::fixed(colour, 1.6)),
+        fill: Fill::Plain { opacity },
+        ..cells(key, title, colour, Fill::None)
+    }
+}
+
+const PLAIN: Fill = Fill::Plain { opacity: 0.85 };
+
+/// The layers, from the bottom up.
+pub const LAYERS: &[Style] = &[
+    cells("cleared", "road that it has cleared so far", "#1b7837", PLAIN),
+    cells("foreign", "road that others have cleared", "#a6dba0", PLAIN),
+    cells("unknown", "road that is not known to be cleared", "#b2182b", PLAIN),
+    cells("frontier", "its frontier", "#ffd92f", Fill::Plain { opacity: 1.0 }),
+    role("cleaner", "image of a cleaner", "#d7191c", 0.06),
+    role("wing", "wing (diamond)", "#f28e2b", 0.5),
+    role("tail", "tail (triangle)", "#2ca25f", 0.5),
+    role("helper", "helper (octagon)", "#2b6cb0", 0.5),
+];
+
+/// What there is to draw of a report: `foreign`, `unknown` and `frontier` only where it has its maps.
+pub(super) fn picture(camera: &CameraModel, report: &Report) -> Vec<Layer> {
+    let square = Square::of_image(camera, &report.pose);
+    let mut layers = Vec::new();
+    let mut masks = Vec::new();
+    if let Some(maps) = &report.maps {
+        layers.push(Layer::new("cleared", Content::Cells(maps.trail.clone())));
+        masks = vec![("foreign", &maps.foreign), ("unknown", &maps.unknown), ("frontier", &maps.frontier)];
+    }
+    for (key, mask) in masks {
+        layers.push(Layer::new(key, Content::Cells(on_ground(&square, mask))));
+    }
+    if report.step.0 > 0 || report.role.is_cleaner() {
+        let area = Area { shapes: vec![vec![outline(report.role, &square)]], properties: properties(report) };
+        layers.push(Layer::new(report.role.name(), Content::Areas(vec![area])));
+    }
+    layers
+}
+
+fn properties(report: &Report) -> Properties {
+    let members = json!({
+        "kind": report.role.name(), "agent": report.agent, "stalled": report.is_stalled, "lost": report.is_lost,
+    });
+    members.as_object().cloned().unwrap_or_default()
+}
+
+/// The image of a cleaner, or a mark in the middle of that of another UAV.
+fn outline(role: RoleName, square: &Square) -> Ring {
+    let corners: &[[f64; 2]] = match role {
+        RoleName::Cleaner => &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
+        RoleName::Wing => &[[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]],
+        RoleName::Tail => &[[-1.0, -0.8], [1.0, -0.8], [0.0, 1.0]],
+        RoleName::Helper => &[
+            [0.4, -1.0], [1.0, -0.4], [1.0, 0.4], [0.4, 1.0], [-0.4, 1.0], [-1.0, 0.4], [-1.0, -0.4], [-0.4, -1.0],
+        ],
+    };
+    let half_m = if role.is_cleaner() { square.side_m / 2.0 } else { MARK_M };
+    let at = |corner: &[f64; 2]| [0, 1].map(|axis| to_millimetre(square.middle[axis] + half_m * corner[axis]));
+    corners.iter().map(at).collect()
+}
+
+/// The pixels of a mask, on the ground.
+fn on_ground(square: &Square, mask: &Bitmap) -> Cells {
+    let cell_m = square.side_m / f64::from(mask.columns());
+    let origin_m = square.middle.map(|middle| to_millimetre(middle - square.side_m / 2.0));
+    let mut runs: Vec<[u32; 3]> = Vec::new();
+    for [row, column] in mask.pixels() {
+        let (row, column) = (u32::from(mask.rows() - 1 - row), u32::from(column));
+        match runs.last_mut() {
+            Some([last, _, end]) if *last == row && *end == column => *end += 1,
+            _ => runs.push([row, column, column + 1]),
+        }
+    }
+    runs.sort_unstable();
+    Cells { cell_m, origin_m, runs }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_row_of_a_mask_is_north() {
+        let mut mask = Bitmap::new(4, 4);
+        mask.set(0, 1);
+        mask.set(0, 2);
+        mask.set(3, 3);
+        let cells = on_ground(&Square { middle: [10.0, 20.0], side_m: 8.0 }, &mask);
+        assert_eq!((cells.cell_m, cells.origin_m), (2.0, [6.0, 16.0]));
+        assert_eq!(cells.runs, [[0, 3, 4], [3, 1, 3]]);
+    }
+}

@@ -1,0 +1,113 @@
+//! The road clearing mission (Gagliardi et al. 2014): guaranteed, without map and localisation.
+
+mod claims;
+mod columns;
+pub mod judge;
+pub mod layers;
+pub mod measures;
+pub mod report;
+
+use csat_clearing::agent::{ClearingAgent, Event};
+use csat_clearing::config::AgentConfig;
+use csat_mission::mission::{Detail, Kind, Mission};
+use csat_mission::picture::Layer;
+use csat_mission::style::Style;
+use csat_proto::camera::{CameraModel, Pose};
+use csat_proto::ids::{AgentId, Incarnation};
+use csat_world::contamination::Square;
+use csat_world::sensor::{RoadSensor, SensorModel};
+use csat_world::world::World;
+
+use judge::Safety;
+use measures::ClearingMeasures;
+use report::Report;
+
+/// The road clearing of a scenario.
+#[derive(Debug, Clone)]
+pub struct Clearing {
+    config: AgentConfig,
+    segmentation: RoadSensor,
+}
+
+impl Clearing {
+    /// The mission whose first agent is told `config`, and whose cameras see roads so.
+    pub fn new(config: AgentConfig, segmentation: RoadSensor) -> Self {
+        Self { config, segmentation }
+    }
+
+    /// What the first agent is told.
+    pub fn config(&self) -> &AgentConfig {
+        &self.config
+    }
+}
+
+impl Mission for Clearing {
+    type Agent = ClearingAgent;
+    type Report = Report;
+    type Judge = Safety;
+    type Measures = ClearingMeasures;
+
+    const KIND: Kind = Kind {
+        name: "clearing",
+        columns: columns::COLUMNS,
+        headline: &["cleared_pct"],
+        milestones: columns::MILESTONES,
+        panels: columns::PANELS,
+        promises: judge::PROMISES,
+    };
+
+    const LAYERS: &'static [Style] = layers::LAYERS;
+
+    fn agent(&self, id: AgentId, incarnation: Incarnation) -> ClearingAgent {
+        ClearingAgent::new(&AgentConfig { id, incarnation, ..self.config.clone() })
+    }
+
+    fn camera(&self, id: AgentId) -> Option<CameraModel> {
+        (id.0 < self.config.fleet.count).then_some(self.config.camera)
+    }
+
+    fn sensor(&self, id: AgentId) -> Option<SensorModel> {
+        self.camera(id).map(|camera| SensorModel::Roads(camera, self.segmentation))
+    }
+
+    fn report(&self, agent: &mut ClearingAgent, pose: &Pose, detail: Detail) -> Report {
+        Report::of(agent, pose, detail)
+    }
+
+    fn judge(&self, world: &World) -> Safety {
+        let roads = world.road_area().expect("`equip` tells the world of the segmentation");
+        let start_line = world.start_line().expect("a world with roads has a start line");
+        Safety::new(&self.config, roads, roads.component(start_line))
+    }
+
+    fn measures(&self) -> ClearingMeasures {
+        ClearingMeasures::new(self.config.pixel_m())
+    }
+
+    fn footprint(&self, report: &Report) -> Vec<[f64; 2]> {
+        let Square { middle: [x, y], side_m } = Square::of_image(&self.config.camera, &report.pose);
+        let half_m = side_m / 2.0;
+        vec![
+            [x - half_m, y - half_m],
+            [x + half_m, y - half_m],
+            [x + half_m, y + half_m],
+            [x - half_m, y + half_m],
+        ]
+    }
+
+    fn picture(&self, report: &Report) -> Vec<Layer> {
+        layers::picture(&self.config.camera, report)
+    }
+
+    fn stats(&self, report: &Report) -> Vec<(&'static str, Option<f64>)> {
+        vec![
+            ("frontier_m", Some(self.config.pixel_m() * f64::from(report.frontier_px))),
+            ("path_m", Some(report.path_m)),
+        ]
+    }
+
+    /// Nothing that an honest fleet says contradicts itself.
+    fn is_inconsistency(&self, _: &Event) -> bool {
+        false
+    }
+}

@@ -1,0 +1,42 @@
+//! The swarm of road clearing: fixed seeds, those that once failed, and a few new ones.
+//!
+//! `CSAT_SEEDS=1000` flies that many instead, `CSAT_SEEDS=500..700` those; `CSAT_SEED=7` flies one.
+
+use csat_tests::clearing::swarm::{self, Exercise};
+use csat_tests::replay::Seeds;
+use rayon::prelude::*;
+
+/// Seeds that are flown every time, and new ones.
+const SEEDS: Seeds = Seeds {
+    fixed: 40,
+    fresh: 4,
+    regressions: concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/clearing_swarm_regressions.txt"),
+};
+
+#[test]
+fn whatever_the_links_do_what_is_called_cleared_is_cleared() {
+    let seeds = SEEDS.all();
+    let flown: Vec<_> = seeds.par_iter().map(|&seed| (seed, swarm::fly(seed))).collect();
+    let mut failures = Vec::new();
+    let mut exercise = Exercise::default();
+    for (seed, result) in flown {
+        match result {
+            Ok(more) => exercise = exercise.with(more),
+            Err(law) => {
+                SEEDS.keep(seed, &law);
+                failures.push(format!(
+                    "seed {seed}: {law}\n    replay it with CSAT_SEED={seed} cargo test -p csat-tests --test \
+                     clearing_swarm -- --nocapture"
+                ));
+            }
+        }
+    }
+    println!("{exercise:#?}");
+    assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), seeds.len(), failures.join("\n"));
+    if seeds.len() as u64 >= SEEDS.fixed {
+        let Exercise { cleared, splits, encounters, merges, stalled, lost, told, .. } = exercise;
+        let some = [cleared, splits, encounters, merges, stalled, lost, told];
+        assert!(some.iter().min() > Some(&2), "{exercise:?}");
+        assert!(exercise.dropped.min(exercise.checks) > 10_000, "{exercise:?}");
+    }
+}
