@@ -108,7 +108,8 @@ fn recording<M: Offered>(flight: &Request<'_>) -> Result<Option<Recording<M>>, R
 pub type Missions = &'static [&'static dyn Flyable];
 
 /// What `csat` flies.
-pub const SHIPPED: Missions = &[&Entry::<SetMembership>::new(), &Entry::<Bayes>::new(), &Entry::<Clearing>::new()];
+pub const SHIPPED: Missions =
+    &[&Entry::<SetMembership>::new(), &Entry::<Bayes>::new(), &Entry::<Clearing>::new()];
 
 static INSTALLED: OnceLock<Missions> = OnceLock::new();
 

@@ -300,7 +300,14 @@ impl Agent for ClearingAgent {
     }
 
     fn poll_transmit(&mut self) -> Option<Transmit> {
-        self.outbox.pop()
+        let message = self.outbox.pop()?;
+        let said = if message.channel == self.config.hbsr {
+            &mut self.counters.hbsr_bytes
+        } else {
+            &mut self.counters.lblr_bytes
+        };
+        *said += message.bytes.len() as u64;
+        Some(message)
     }
 
     /// Nothing: what a late agent needs, it hears within seconds.

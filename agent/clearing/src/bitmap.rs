@@ -2,7 +2,9 @@
 //! `column / 64` of its row. Neighbours are the eight around a pixel, and distances are Chebyshev distances.
 
 use csat_proto::frame::Label;
+use serde::{Deserialize, Serialize};
 
+mod coded;
 mod flood;
 mod shift;
 
@@ -23,7 +25,8 @@ impl Rect {
 }
 
 /// See the module. Bits beyond the last column are never set.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "coded::Coded", try_from = "coded::Coded")]
 pub struct Bitmap {
     rows: u16,
     columns: u16,
@@ -121,9 +124,9 @@ impl Bitmap {
     pub fn pixels(&self) -> impl Iterator<Item = [u16; 2]> {
         (0..self.rows).flat_map(move |row| {
             let words = self.row(row).iter().enumerate();
-            words.flat_map(move |(index, word)| ones(*word).map(move |bit| (index, bit))).map(
-                move |(index, bit)| [row, u16::try_from(index * 64 + bit).unwrap_or(u16::MAX)],
-            )
+            words
+                .flat_map(move |(index, word)| ones(*word).map(move |bit| (index, bit)))
+                .map(move |(index, bit)| [row, u16::try_from(index * 64 + bit).unwrap_or(u16::MAX)])
         })
     }
 

@@ -152,6 +152,8 @@ pub struct ClearingConfig {
     pub hbsr: String,
     /// The name of the channel of long range in `[netem]`.
     pub lblr: String,
+    /// Whether that one may reach less far than across the region, which the paper assumes that it does.
+    pub allow_short_lblr: bool,
 }
 
 impl Default for ClearingConfig {
@@ -172,6 +174,7 @@ impl Default for ClearingConfig {
             max_age_s: 60.0,
             hbsr: "hbsr".to_owned(),
             lblr: "lblr".to_owned(),
+            allow_short_lblr: false,
         }
     }
 }
@@ -203,7 +206,12 @@ pub fn mistakes(config: &AgentConfig) -> Vec<Mistake> {
     demand(pixel_m <= cell_m, "camera.columns", format!("pixels of {pixel_m} m"), at_most);
     let radii = config.radii();
     let least = radii.least_guard();
-    demand(guard_px >= least, "clearing.guard_px", guard_px.to_string(), format!("at least {least}"));
+    demand(
+        guard_px >= least,
+        "clearing.guard_px",
+        guard_px.to_string(),
+        format!("at least {least}"),
+    );
     let least = guard_px.saturating_add(radii.motion + 2);
     let most = columns / 4;
     demand(

@@ -43,7 +43,8 @@ impl Claims {
     /// is north, column 0 west. Gives the cells that were not claimed before.
     pub fn claim(&mut self, agent: AgentId, square: &Square, mask: &Bitmap) -> Vec<u32> {
         let side_m = square.side_m / f64::from(mask.columns());
-        let [west, north] = [square.middle[0] - square.side_m / 2.0, square.middle[1] + square.side_m / 2.0];
+        let [west, north] =
+            [square.middle[0] - square.side_m / 2.0, square.middle[1] + square.side_m / 2.0];
         let mut new = Vec::new();
         for row in self.rows_of(square) {
             for column in self.open_in(row, square) {
@@ -102,7 +103,8 @@ impl Claims {
     fn range(&self, axis: usize, square: &Square, count: usize) -> std::ops::Range<usize> {
         let start_m = square.middle[axis] + self.roads.ground().size_m[axis] / 2.0;
         let index = |along_m: f64| (along_m / self.roads.cell_m()).floor().max(0.0) as usize;
-        let (from, to) = (index(start_m - square.side_m / 2.0), index(start_m + square.side_m / 2.0));
+        let (from, to) =
+            (index(start_m - square.side_m / 2.0), index(start_m + square.side_m / 2.0));
         from.min(count)..(to + 1).min(count)
     }
 

@@ -31,7 +31,10 @@ pub const TOLD: &str = "told";
 /// All that the mission promises.
 pub const PROMISES: &[Promise] = &[
     Promise { key: CLEARED, broken: "a road called cleared that is contaminated" },
-    Promise { key: FRONTIER, broken: "a frontier that is not inside the image of the UAV that holds it" },
+    Promise {
+        key: FRONTIER,
+        broken: "a frontier that is not inside the image of the UAV that holds it",
+    },
     Promise { key: TOLD, broken: "a UAV that crashed with its frontier, which no other one tells" },
 ];
 
@@ -105,8 +108,10 @@ impl Safety {
     /// Whether every UAV that runs has reported of the oldest step that waits.
     fn is_complete(&self) -> bool {
         let Some(oldest) = self.waiting.front() else { return false };
-        let mut alive = oldest.is_alive.iter().take(self.uavs).zip(0..).filter(|(alive, _)| **alive);
-        self.waiting.len() > PATIENCE || alive.all(|(_, id)| oldest.reports.contains_key(&AgentId(id)))
+        let mut alive =
+            oldest.is_alive.iter().take(self.uavs).zip(0..).filter(|(alive, _)| **alive);
+        self.waiting.len() > PATIENCE
+            || alive.all(|(_, id)| oldest.reports.contains_key(&AgentId(id)))
     }
 
     fn is_another_life(&self, id: AgentId, seen: &Seen) -> bool {
@@ -115,7 +120,9 @@ impl Safety {
 
     /// Judges the oldest step that waits.
     fn judge_oldest(&mut self, judged: &mut Judged) {
-        let Some(Waiting { step, poses, is_alive, reports }) = self.waiting.pop_front() else { return };
+        let Some(Waiting { step, poses, is_alive, reports }) = self.waiting.pop_front() else {
+            return;
+        };
         for (index, is_alive) in is_alive.iter().enumerate().take(self.uavs) {
             let id = AgentId(index as u16);
             let seen = reports.get(&id);
@@ -179,7 +186,9 @@ impl Safety {
     /// Takes down what the cleaners claim now.
     fn claim(&mut self, squares: &BTreeMap<AgentId, Square>, judged: &mut Judged) {
         for (agent, square) in squares {
-            let Some(mask) = self.last.get_mut(agent).and_then(|seen| seen.claims.take()) else { continue };
+            let Some(mask) = self.last.get_mut(agent).and_then(|seen| seen.claims.take()) else {
+                continue;
+            };
             let new = self.claims.claim(*agent, square, &mask);
             new.iter().for_each(|cell| self.count_first(*agent, *cell, 1.0));
             let is_dirty = |cell: &u32| self.contamination.is_contaminated(*cell);
@@ -226,7 +235,7 @@ impl Judge<Report> for Safety {
         }
         let seen = Seen {
             incarnation: report.incarnation,
-            is_cleaner: report.role.is_cleaner(),
+            is_cleaner: report.claims.is_some(),
             has_frontier: report.frontier_px > 0,
             is_lost: report.is_lost,
             claims: report.claims.clone(),

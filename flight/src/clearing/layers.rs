@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
+use csat_clearing::agent::Role;
 use csat_clearing::bitmap::Bitmap;
-use csat_clearing::formation::RoleName;
 use csat_mission::picture::{Area, Cells, Content, Layer, Properties, Ring, to_millimetre};
 use csat_mission::style::{Colour, Fill, Form, Line, Style};
 use csat_proto::camera::CameraModel;
@@ -62,16 +62,34 @@ pub(super) fn picture(camera: &CameraModel, report: &Report) -> Vec<Layer> {
     let mut masks = Vec::new();
     if let Some(maps) = &report.maps {
         layers.push(Layer::new("cleared", Content::Cells(maps.trail.clone())));
-        masks = vec![("foreign", &maps.foreign), ("unknown", &maps.unknown), ("frontier", &maps.frontier)];
+        masks = vec![
+            ("foreign", &maps.foreign),
+            ("unknown", &maps.unknown),
+            ("frontier", &maps.frontier),
+        ];
     }
     for (key, mask) in masks {
         layers.push(Layer::new(key, Content::Cells(on_ground(&square, mask))));
     }
-    if report.step.0 > 0 || report.role.is_cleaner() {
-        let area = Area { shapes: vec![vec![outline(report.role, &square)]], properties: properties(report) };
-        layers.push(Layer::new(report.role.name(), Content::Areas(vec![area])));
+    if let Some(key) = layer_of(report.role) {
+        let area = Area {
+            shapes: vec![vec![outline(report.role, &square)]],
+            properties: properties(report),
+        };
+        layers.push(Layer::new(key, Content::Areas(vec![area])));
     }
     layers
+}
+
+/// The layer of a role; a ground station has none.
+fn layer_of(role: Role) -> Option<&'static str> {
+    match role {
+        Role::Cleaner => Some("cleaner"),
+        Role::LeftWing | Role::RightWing => Some("wing"),
+        Role::Tail => Some("tail"),
+        Role::Helper => Some("helper"),
+        Role::Station => None,
+    }
 }
 
 fn properties(report: &Report) -> Properties {
@@ -82,17 +100,26 @@ fn properties(report: &Report) -> Properties {
 }
 
 /// The image of a cleaner, or a mark in the middle of that of another UAV.
-fn outline(role: RoleName, square: &Square) -> Ring {
+fn outline(role: Role, square: &Square) -> Ring {
     let corners: &[[f64; 2]] = match role {
-        RoleName::Cleaner => &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
-        RoleName::Wing => &[[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]],
-        RoleName::Tail => &[[-1.0, -0.8], [1.0, -0.8], [0.0, 1.0]],
-        RoleName::Helper => &[
-            [0.4, -1.0], [1.0, -0.4], [1.0, 0.4], [0.4, 1.0], [-0.4, 1.0], [-1.0, 0.4], [-1.0, -0.4], [-0.4, -1.0],
+        Role::Cleaner => &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]],
+        Role::LeftWing | Role::RightWing => &[[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]],
+        Role::Tail => &[[-1.0, -0.8], [1.0, -0.8], [0.0, 1.0]],
+        Role::Helper | Role::Station => &[
+            [0.4, -1.0],
+            [1.0, -0.4],
+            [1.0, 0.4],
+            [0.4, 1.0],
+            [-0.4, 1.0],
+            [-1.0, 0.4],
+            [-1.0, -0.4],
+            [-0.4, -1.0],
         ],
     };
-    let half_m = if role.is_cleaner() { square.side_m / 2.0 } else { MARK_M };
-    let at = |corner: &[f64; 2]| [0, 1].map(|axis| to_millimetre(square.middle[axis] + half_m * corner[axis]));
+    let half_m = if role == Role::Cleaner { square.side_m / 2.0 } else { MARK_M };
+    let at = |corner: &[f64; 2]| {
+        [0, 1].map(|axis| to_millimetre(square.middle[axis] + half_m * corner[axis]))
+    };
     corners.iter().map(at).collect()
 }
 

@@ -6,6 +6,9 @@ pub mod judge;
 pub mod layers;
 pub mod measures;
 pub mod report;
+mod trail;
+
+use std::sync::Arc;
 
 use csat_clearing::agent::{ClearingAgent, Event};
 use csat_clearing::config::AgentConfig;
@@ -20,19 +23,24 @@ use csat_world::world::World;
 
 use judge::Safety;
 use measures::ClearingMeasures;
-use report::Report;
+use report::{Maps, Report};
+use trail::Trails;
 
 /// The road clearing of a scenario.
 #[derive(Debug, Clone)]
 pub struct Clearing {
     config: AgentConfig,
     segmentation: RoadSensor,
+    trails: Arc<Trails>,
 }
+
+/// A trail grows once in so many steps: images of one second overlap by 99 %.
+const TRAIL_STEPS: u32 = 8;
 
 impl Clearing {
     /// The mission whose first agent is told `config`, and whose cameras see roads so.
     pub fn new(config: AgentConfig, segmentation: RoadSensor) -> Self {
-        Self { config, segmentation }
+        Self { config, segmentation, trails: Arc::default() }
     }
 
     /// What the first agent is told.
@@ -71,7 +79,16 @@ impl Mission for Clearing {
     }
 
     fn report(&self, agent: &mut ClearingAgent, pose: &Pose, detail: Detail) -> Report {
-        Report::of(agent, pose, detail)
+        let mut report = Report::of(agent, pose);
+        if detail == Detail::Full || report.step.0.is_multiple_of(TRAIL_STEPS) {
+            if let Some(claims) = &report.claims {
+                let square = Square::of_image(&self.config.camera, pose);
+                self.trails.add(report.agent, &square, claims);
+            }
+        }
+        report.maps =
+            (detail == Detail::Full).then(|| Maps::of(agent, self.trails.of(report.agent)));
+        report
     }
 
     fn judge(&self, world: &World) -> Safety {
@@ -102,7 +119,7 @@ impl Mission for Clearing {
     fn stats(&self, report: &Report) -> Vec<(&'static str, Option<f64>)> {
         vec![
             ("frontier_m", Some(self.config.pixel_m() * f64::from(report.frontier_px))),
-            ("path_m", Some(report.path_m)),
+            ("path_m", Some(report.counters.path_m)),
         ]
     }
 

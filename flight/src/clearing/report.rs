@@ -1,9 +1,9 @@
 //! What an agent of road clearing tells its observers.
 
-use csat_clearing::agent::ClearingAgent;
+use csat_clearing::agent::{ClearingAgent, Counters, Role};
 use csat_clearing::bitmap::Bitmap;
-use csat_clearing::formation::RoleName;
-use csat_mission::mission::{self, Detail, Tally};
+use csat_mission::mission::{self, Tally};
+use csat_mission::picture::Cells;
 use csat_proto::camera::Pose;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::Step;
@@ -21,8 +21,9 @@ pub struct Report {
     /// Where it is, in truth, `world`: the agent does not know.
     pub pose: Pose,
     /// What it does.
-    pub role: RoleName,
-    /// The pixels of its last image that it calls cleared; row 0 is north. `None` of an agent that claims nothing.
+    pub role: Role,
+    /// The pixels of its last image that it calls cleared; row 0 is north. `None` of an agent that did not look at it
+    /// as a cleaner.
     pub claims: Option<Bitmap>,
     /// Pixels of its frontier.
     pub frontier_px: u32,
@@ -32,38 +33,105 @@ pub struct Report {
     pub is_stalled: bool,
     /// Whether it says that a cleaner is lost.
     pub is_lost: bool,
-    /// What it counted in its life.
-    pub counts: Counts,
-    /// The path that it has flown, by its odometry, metres.
-    pub path_m: f64,
+    /// What happened to it in its life.
+    pub counters: Counters,
     /// What it did not believe and did not say.
     pub tally: Tally,
-    /// What there is to draw, where [`Detail::Full`] was asked for.
+    /// What there is to draw, where all that can be drawn was asked for.
     pub maps: Option<Maps>,
 }
 
-/// What an agent counted in its life.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Counts {
-    /// Sub-frontiers that it took over.
-    pub splits: u64,
-    /// Times that its frontier shrank because another cleaner had cleared the road beyond.
-    pub encounters: u64,
-    /// Times that it joined a formation as a helper.
-    pub merges: u64,
-    /// Bytes said on the channel of short range.
-    pub hbsr_bytes: u64,
-    /// Bytes said on the channel of long range.
-    pub lblr_bytes: u64,
-}
-
-/// What there is to draw: masks of the last image.
+/// What there is to draw: masks of the last image, and what it cleared before.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Maps {
+    /// What it has called cleared so far: for observers, as agents remember their image only.
+    pub trail: Cells,
     /// The frontier.
     pub frontier: Bitmap,
     /// Road that is known to be cleared and guarded by others.
     pub foreign: Bitmap,
     /// Road that is not known to be cleared.
     pub unknown: Bitmap,
+}
+
+impl Report {
+    /// What `agent`, which is at `pose`, knows and does now; without maps.
+    pub fn of(agent: &ClearingAgent, pose: &Pose) -> Self {
+        let frontier = agent.frontier();
+        // One that has just cleared the last of its frontier is a helper, and looked as a cleaner.
+        let is_looking = agent.is_cleaner() || !agent.claims().is_empty();
+        Self {
+            agent: agent.config().id,
+            incarnation: agent.incarnation(),
+            step: agent.step(),
+            pose: *pose,
+            role: agent.role(),
+            claims: is_looking.then(|| agent.claims().clone()),
+            frontier_px: frontier.count(),
+            frontier_to_edge_px: to_edge_px(frontier),
+            is_stalled: agent.is_stalled(),
+            is_lost: agent.has_lost(),
+            counters: *agent.counters(),
+            tally: Tally { rejected: agent.rejected().clone(), withheld: 0 },
+            maps: None,
+        }
+    }
+}
+
+/// The least distance of a pixel to the edge of the image: 0 if one is in the first or last row or column.
+fn to_edge_px(mask: &Bitmap) -> Option<u16> {
+    let bounds = mask.bounds()?;
+    let [rows, columns] = [(bounds.rows, mask.rows()), (bounds.columns, mask.columns())]
+        .map(|([first, last], size)| first.min(size - 1 - last));
+    Some(rows.min(columns))
+}
+
+impl Maps {
+    /// What there is to draw of `agent`, which cleared `trail` so far.
+    pub fn of(agent: &ClearingAgent, trail: Cells) -> Self {
+        let masks = agent.masks();
+        let nothing = || Bitmap::new(0, 0);
+        Self {
+            trail,
+            frontier: agent.frontier().clone(),
+            foreign: masks.map_or_else(nothing, |masks| masks.foreign().clone()),
+            unknown: masks.map_or_else(nothing, |masks| masks.unknown().clone()),
+        }
+    }
+}
+
+impl mission::Report for Report {
+    fn step(&self) -> Step {
+        self.step
+    }
+
+    fn pose(&self) -> &Pose {
+        &self.pose
+    }
+
+    /// An agent looks one step ahead.
+    fn planned(&self) -> &[Pose] {
+        &[]
+    }
+
+    fn tally(&self) -> &Tally {
+        &self.tally
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_distance_to_the_edge_is_that_of_the_nearest_pixel() {
+        let mut mask = Bitmap::new(10, 10);
+        assert_eq!(to_edge_px(&mask), None);
+        mask.set(4, 5);
+        assert_eq!(to_edge_px(&mask), Some(4));
+        mask.set(7, 5);
+        assert_eq!(to_edge_px(&mask), Some(2));
+        mask.set(7, 9);
+        assert_eq!(to_edge_px(&mask), Some(0));
+    }
 }

@@ -69,7 +69,10 @@ pub fn agent_config(scenario: &Scenario, tables: &Tables) -> AgentConfig {
         odometry: OdometryBounds { jitter_m, drift_share },
         hbsr,
         // An offset that is not measured is a mistake, too.
-        offset_error_m: netem.channel(hbsr).and_then(|channel| channel.offset_error_m).unwrap_or_default(),
+        offset_error_m: netem
+            .channel(hbsr)
+            .and_then(|channel| channel.offset_error_m)
+            .unwrap_or_default(),
         lblr,
         bearing_error_deg: netem.channel(lblr).map_or(0.0, |channel| channel.bearing_error_deg),
         // The world lets UAV 0 start above the middle of the start line.

@@ -4,8 +4,8 @@
 //! `--set` in order, then `--seed`. [`load`] reports every mistake at once, each with its place.
 
 mod bayes;
-pub mod clearing;
 pub mod camera_check;
+pub mod clearing;
 pub mod differences;
 mod explain;
 mod idle_walls;

@@ -3,8 +3,8 @@
 //! The town's own values (`map.*`) are judged by `csat-world` when it makes the town.
 
 pub mod bayes;
-pub mod clearing;
 mod camera;
+pub mod clearing;
 mod cost;
 mod exchange;
 mod fleet;

@@ -119,7 +119,9 @@ fn faults(channel: &mut ChannelConfig, rng: &mut ChaCha8Rng) {
     channel.delay = match rng.random_range(0..3) {
         0 => DelayConfig::Constant { mean_s: 0.0 },
         1 => DelayConfig::Constant { mean_s },
-        _ => DelayConfig::Uniform { mean_s: mean_s / 2.0, spread_s: mean_s / 2.0, correlation: 0.0 },
+        _ => {
+            DelayConfig::Uniform { mean_s: mean_s / 2.0, spread_s: mean_s / 2.0, correlation: 0.0 }
+        }
     };
     channel.corruption = rate(0.2, rng);
     channel.duplication = rate(0.5, rng);

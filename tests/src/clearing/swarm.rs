@@ -87,9 +87,9 @@ fn fly_drawn(Draw { scenario, .. }: &Draw) -> Result<Exercise, String> {
     let checked = engine.checked();
     let checks = |promise: &str| checked.get(promise).map_or(0, |checked| checked.checks);
     for report in engine.show().into_iter().flatten() {
-        exercise.splits += report.counts.splits;
-        exercise.encounters += report.counts.encounters;
-        exercise.merges += report.counts.merges;
+        exercise.splits += u64::from(report.counters.splits);
+        exercise.encounters += u64::from(report.counters.encounters);
+        exercise.merges += u64::from(report.counters.merges);
     }
     Ok(Exercise {
         cleared: is_cleared.into(),

@@ -135,8 +135,7 @@ impl ClearingAgent {
             placed_m = cleaner.stale_m.insert(got.from, offset_m).unwrap_or(offset_m);
         }
         let by = self.registration.placement(placed_m);
-        let is_by_overlap =
-            self.sight.rules == Rules::Paper || is_on(Mutant::DeletedUnseen);
+        let is_by_overlap = self.sight.rules == Rules::Paper || is_on(Mutant::DeletedUnseen);
         let given_up = if is_by_overlap {
             let image = Bitmap::inside(self.sight.size, self.sight.size, self.sight.margin);
             cleaner.masks.learn(&image.shifted(by))
@@ -239,7 +238,8 @@ impl ClearingAgent {
         let range = self.range_steps();
         let is_new = self.step.0 - cleaner.since.0 <= range;
         for (id, peer) in self.fleet.iter() {
-            let follows = peer.beat.duty == Duty::Follower && peer.beat.leader == Some(self.config.id);
+            let follows =
+                peer.beat.duty == Duty::Follower && peer.beat.leader == Some(self.config.id);
             if follows && peer.is_near(self.step, range) {
                 cleaner.roster.add(id);
             }
@@ -250,7 +250,8 @@ impl ClearingAgent {
                 // Those that it took along may not know it yet.
                 Some(peer) if is_new => {
                     peer.beat.duty == Duty::Follower
-                        && (peer.beat.leader == cleaner.parent || peer.beat.leader == Some(self.config.id))
+                        && (peer.beat.leader == cleaner.parent
+                            || peer.beat.leader == Some(self.config.id))
                 }
                 Some(peer) => {
                     follows(peer.beat.duty, peer.beat.leader) && peer.is_near(self.step, range)

@@ -49,6 +49,10 @@ pub struct Counters {
     pub calls: u32,
     /// What it flew by its odometry, metres.
     pub path_m: f64,
+    /// What it said on the channel of short range, bytes.
+    pub hbsr_bytes: u64,
+    /// What it said on the channel of long range, bytes.
+    pub lblr_bytes: u64,
 }
 
 /// What an agent reports.

@@ -198,7 +198,8 @@ fn check_parts(
     let Message { beat, formation, safe } = message;
     let has_parts = formation.is_some() || safe.is_some();
     let is_uav = from.0 < config.fleet.count;
-    let is_leader_uav = beat.leader.is_none_or(|leader| leader.0 < config.fleet.count && leader != from);
+    let is_leader_uav =
+        beat.leader.is_none_or(|leader| leader.0 < config.fleet.count && leader != from);
     let can = is_uav
         && is_leader_uav
         && (!has_parts || is_near && beat.duty == Duty::Cleaner)

@@ -25,7 +25,9 @@ pub fn judge(scenario: &Scenario, tables: &Tables) -> Vec<Issue> {
     check.0
 }
 
-fn issue(csat_clearing::config::Mistake { key, got, expected }: csat_clearing::config::Mistake) -> Issue {
+fn issue(
+    csat_clearing::config::Mistake { key, got, expected }: csat_clearing::config::Mistake,
+) -> Issue {
     let mistake = Mistake::new(format!("`{key}` cannot be {got}")).expected(expected);
     Issue { keys: vec![key], mistake, is_warning: false }
 }
@@ -51,7 +53,12 @@ fn world(check: &mut Check, scenario: &Scenario) {
         VehicleKind::Multirotor => "`multirotor`",
     };
     let is_multirotor = agents.vehicle == VehicleKind::Multirotor;
-    check.that(is_multirotor, &["agents.vehicle"], name, "`multirotor`, which is displaced step by step");
+    check.that(
+        is_multirotor,
+        &["agents.vehicle"],
+        name,
+        "`multirotor`, which is displaced step by step",
+    );
     check.that(
         agents.start.is_empty(),
         &["agents.start"],
@@ -114,7 +121,12 @@ fn radios(check: &mut Check, scenario: &Scenario, tables: &Tables) {
             ),
         );
     }
-    idle_radios(check, netem, &[&clearing.hbsr, &clearing.lblr], ["clearing.hbsr", "clearing.lblr"]);
+    idle_radios(
+        check,
+        netem,
+        &[&clearing.hbsr, &clearing.lblr],
+        ["clearing.hbsr", "clearing.lblr"],
+    );
 }
 
 /// Cleaners must be able to move as fast as they are told.
