@@ -12,10 +12,8 @@ const TRAVEL: u32 = 16;
 /// What a cleaner does next.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Decision {
-    /// Its displacement.
-    pub direction: Direction,
-    /// Whether the displacement pushes a frontier on.
-    pub is_advance: bool,
+    /// The displacement that pushes the frontier on; `None` if there is none.
+    pub advance: Option<Direction>,
     /// The runs to give away, by their indices.
     pub give: Vec<usize>,
 }
@@ -24,19 +22,18 @@ pub struct Decision {
 pub fn decide(mover: &Mover, give: Give, runs: &[Run]) -> Decision {
     let along = give == Give::Balanced;
     let Some(rect) = rect_of(runs.iter()) else {
-        return Decision { direction: STAY, is_advance: false, give: Vec::new() };
+        return Decision { advance: None, give: Vec::new() };
     };
     let advance = mover.advance(runs.iter(), along);
     let whole = candidate(sides_of(runs.iter()));
     let is_whole = whole != STAY && mover.is_feasible(&rect, whole);
-    let direction = advance.unwrap_or_else(|| mover.hold(&rect));
     let give = match give {
         _ if is_whole => Vec::new(),
         Give::Paper => hindering(mover, runs),
         Give::Balanced if runs.len() <= MAX_COMPARED => fewest(mover, runs),
         Give::Balanced => hindering(mover, runs),
     };
-    Decision { direction, is_advance: advance.is_some(), give }
+    Decision { advance, give }
 }
 
 /// The paper's rule: the runs that hinder, in the order of the sides, until the rest can move on.

@@ -154,11 +154,13 @@ impl Masks {
     }
 
     /// Takes the lattice up anew, a pixel from where it was, at most. What is within a pixel of `unknown` may be
-    /// unknown. What is within a pixel of `mine` is declared to be cleared now: it is in the image. So frontier and
-    /// unknown road keep their distance.
+    /// unknown. What is within a pixel of the frontier is declared to be cleared now: it is in the image. So frontier
+    /// and unknown road keep their distance.
     fn drift(&mut self, sight: &Sight, seen: &Bitmap) {
         self.road = self.road.dilated(1).and(seen);
-        self.mine = self.mine.dilated(1).and(&self.road).and(&sight.held);
+        let near = self.mine.clone().and(&self.unknown.dilated(REACH + 1));
+        let moved = near.dilated(1).and(&self.road).and(&sight.held);
+        self.mine = self.mine.clone().or(&moved);
         self.unknown = self.unknown.dilated(1).and(&self.road).and_not(&self.mine);
         self.foreign = self.road.clone().and_not(&self.mine).and_not(&self.unknown);
         self.frontier = self.frontier.dilated(1);

@@ -98,13 +98,26 @@ impl Mover {
         if self.is_feasible(rect, turned) { turned } else { way }
     }
 
-    /// Where to move while waiting: away from where the frontier must not go.
-    pub fn hold(&self, rect: &Rect) -> Direction {
-        let room = self.room(rect);
-        let way = [push(room[1], room[3]), push(room[0], room[2])];
-        let choices = [way, [way[0], 0], [0, way[1]]];
-        choices.into_iter().find(|way| self.is_feasible(rect, *way)).unwrap_or(STAY)
+    /// How to wait with these runs, `back` displacements from where the cleaner should be.
+    pub fn hold(&self, runs: &[Run], back: [f64; 2]) -> Hold {
+        let Some(rect) = rect_of(runs.iter()) else { return Hold { way: STAY, away: None } };
+        let room = self.room(&rect);
+        let away = [push(room[1], room[3]), push(room[0], room[2])];
+        let home = back.map(|steps| if steps.abs() > 1.0 { steps.signum() as i8 } else { 0 });
+        let way = [0, 1].map(|axis| if away[axis] == 0 { home[axis] } else { away[axis] });
+        let mut choices = [way, [way[0], 0], [0, way[1]]].into_iter();
+        let way = choices.find(|way| self.is_feasible(&rect, *way)).unwrap_or(STAY);
+        Hold { way, away: (away != STAY).then_some(away) }
     }
+}
+
+/// How a cleaner waits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hold {
+    /// Its displacement.
+    pub way: Direction,
+    /// Along which axes it gets away from where the frontier must not go.
+    pub away: Option<Direction>,
 }
 
 /// Towards the side with less room, if it is too little and the other side has clearly more: 1 for the first one.

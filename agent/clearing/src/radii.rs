@@ -15,6 +15,9 @@ pub const DRIFT_PX: f64 = 1.0;
 /// pixels are those that have unknown road within this distance.
 pub const REACH: u16 = 2;
 
+/// What is between own pixels and unknown road that comes back into the image, beyond [`REACH`], pixels.
+const MOAT_PX: u16 = 3;
+
 /// See the module.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Radii {
@@ -54,9 +57,10 @@ impl Radii {
     }
 
     /// Cleared pixels nearer to the edge of the image than this are no longer the own ones: what is unknown and
-    /// enters the masks is farther than [`REACH`] from own pixels.
+    /// enters the masks is farther than [`REACH`] from own pixels, also after [`MOAT_PX`] times that the lattice was
+    /// taken up anew.
     pub fn rim(&self) -> u16 {
-        self.blind().saturating_add(REACH + 1)
+        self.blind().saturating_add(REACH + 1 + MOAT_PX)
     }
 
     /// The least distance of a frontier from the edge of the image that keeps it off the rim when the lattice

@@ -44,8 +44,12 @@ pub struct Cleaner {
     pub requests: Vec<Request>,
     /// Since when it cannot move on.
     pub waits_since: Option<Step>,
+    /// Where it waits, in the frame of its odometry, metres.
+    anchor_m: [f64; 2],
     /// Whether it cannot move on, and nobody comes.
     pub is_stalled: bool,
+    /// Whether its frontier is empty. Its image still counts in that step.
+    is_done: bool,
     /// When the last help of another cleaner came, by cleaner.
     met: std::collections::BTreeMap<AgentId, Step>,
     /// The last offset of each other cleaner, for [`Mutant::StaleOffset`].
@@ -64,7 +68,9 @@ impl Cleaner {
             since,
             requests: Vec::new(),
             waits_since: None,
+            anchor_m: [0.0; 2],
             is_stalled: false,
+            is_done: false,
             met: Default::default(),
             stale_m: Default::default(),
         }
@@ -213,22 +219,23 @@ impl ClearingAgent {
     }
 
     fn update_cleaner(&mut self) {
-        let State::Cleaner(mut cleaner) =
-            std::mem::replace(&mut self.state, State::Helper { target: None })
-        else {
+        if !self.is_cleaner() {
             return;
-        };
+        }
+        let state = std::mem::replace(&mut self.state, State::Helper { target: None });
+        let State::Cleaner(mut cleaner) = state else { return };
         cleaner.runs = runs(cleaner.masks.frontier(), self.sight.margin);
         if !self.has_lost() {
             self.claims = cleaner.masks.claims(&self.sight);
         }
-        let is_done = cleaner.runs.is_empty();
+        let was_done = std::mem::replace(&mut cleaner.is_done, cleaner.runs.is_empty());
+        let is_done = cleaner.is_done;
         self.update_roster(&mut cleaner);
         if !is_done {
             self.plan(&mut cleaner);
         }
         self.state = State::Cleaner(cleaner);
-        if is_done {
+        if is_done && was_done {
             self.enter(State::Helper { target: None });
         }
     }
@@ -263,14 +270,16 @@ impl ClearingAgent {
 
     fn plan(&mut self, cleaner: &mut Cleaner) {
         let decision = decide(&self.mover, self.config.clearing.give, &cleaner.runs);
-        if decision.is_advance {
-            cleaner.heading = decision.direction;
-            cleaner.waits_since = None;
-        } else {
-            cleaner.waits_since.get_or_insert(self.step);
-        }
+        let direction = match decision.advance {
+            Some(direction) => {
+                cleaner.heading = direction;
+                cleaner.waits_since = None;
+                direction
+            }
+            None => self.hold(cleaner),
+        };
         let step_m = self.config.clearing.step_m;
-        self.commanded_m = decision.direction.map(|axis| f64::from(axis) * step_m);
+        self.commanded_m = direction.map(|axis| f64::from(axis) * step_m);
         cleaner.give = decision.give;
         self.ask(cleaner);
         let waited = cleaner.waits_since.map_or(0, |since| self.step.0 - since.0);
@@ -282,6 +291,22 @@ impl ClearingAgent {
             let runs = cleaner.give.len() as u32;
             self.events.push_back(Event::Stalled { step: self.step, is_stalled, runs });
         }
+    }
+
+    /// Where to move while waiting: back to where it began to wait, unless the frontier is too near to an edge there.
+    fn hold(&self, cleaner: &mut Cleaner) -> Direction {
+        let place_m = self.place_m();
+        if cleaner.waits_since.is_none() {
+            (cleaner.waits_since, cleaner.anchor_m) = (Some(self.step), place_m);
+        }
+        let step_m = self.config.clearing.step_m;
+        let back = [0, 1].map(|axis| (cleaner.anchor_m[axis] - place_m[axis]) / step_m);
+        let direction = self.mover.hold(&cleaner.runs, back);
+        let Some(away) = direction.away else { return direction.way };
+        cleaner.anchor_m = [0, 1].map(|axis| {
+            if away[axis] == 0 { cleaner.anchor_m[axis] } else { place_m[axis] }
+        });
+        direction.way
     }
 
     fn is_help_coming(&self) -> bool {
