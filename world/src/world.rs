@@ -17,17 +17,15 @@ use crate::odometry::Odometry;
 use crate::road::{RoadGraph, RoadRules};
 use crate::road_area::RoadArea;
 use crate::scene::{Prism, Scene};
-use crate::start_line::{StartLine, StartLineError};
-use crate::target::{
-    Chase, OffRoad, OffRoadError, PlacementError, TargetTruth, Traffic, Walkers, Watcher,
-    road_clearance_m,
-};
-use crate::track::{Scripted, TrackError, Tracks};
+use crate::start_line::StartLine;
+use crate::target::{Chase, OffRoad, TargetTruth, Traffic, Walkers, Watcher, road_clearance_m};
+use crate::track::{Scripted, Tracks};
 use crate::truth::Monitor;
 use crate::uav::{self, Vehicle};
 
 mod check;
 mod cleared;
+mod error;
 mod launch;
 pub mod stations;
 #[cfg(test)]
@@ -35,7 +33,7 @@ mod tests;
 
 use check::{lowest_altitude_m, mistakes};
 use cleared::Cleared;
-use stations::StationError;
+pub use error::{CommandError, WorldError, WorldErrors};
 
 /// Room between the border of the region and the cylinder of a car on any road, metres.
 const BORDER_M: f64 = 0.5;
@@ -95,82 +93,9 @@ impl WorldConfig {
     }
 }
 
-/// One reason why there is no world.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum WorldError {
-    /// An impossible value of the scenario.
-    #[error("{key}: got {got}, expected {expected}")]
-    Config {
-        /// The scenario key.
-        key: &'static str,
-        /// Its value.
-        got: String,
-        /// What is expected.
-        expected: String,
-    },
-    /// A ground station at an impossible place.
-    #[error(transparent)]
-    Station(#[from] StationError),
-    /// The map.
-    #[error(transparent)]
-    Map(#[from] MapError),
-    /// No start line.
-    #[error(transparent)]
-    StartLine(#[from] StartLineError),
-    /// No room for all cars.
-    #[error(transparent)]
-    Placement(#[from] PlacementError),
-    /// No room for all targets off the roads.
-    #[error(transparent)]
-    OffRoad(#[from] OffRoadError),
-    /// A car that does not keep to the model.
-    #[error("targets.tracks: {0}")]
-    Track(TrackError),
-}
-
-/// Why there is no world.
-#[derive(Debug, Clone, PartialEq)]
-pub struct WorldErrors {
-    /// Every reason; never empty.
-    pub errors: Vec<WorldError>,
-    /// What was left out of the map, which may be why the map has no room.
-    pub map_warnings: Vec<MapWarning>,
-}
-
-impl From<Vec<WorldError>> for WorldErrors {
-    fn from(errors: Vec<WorldError>) -> Self {
-        Self { errors, map_warnings: Vec::new() }
-    }
-}
-
-impl std::fmt::Display for WorldErrors {
-    /// One line per reason.
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for (index, error) in self.errors.iter().enumerate() {
-            let separator = if index > 0 { "\n" } else { "" };
-            write!(f, "{separator}{error}")?;
-        }
-        Ok(())
-    }
-}
-
-impl std::error::Error for WorldErrors {}
-
 /// How far inside the region's border the locations of cars stay, metres.
 fn inset_m(targets: &TargetsModel) -> f64 {
     targets.radius_m + BORDER_M
-}
-
-/// The fleet has no such UAV, or its vehicle cannot follow the command.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("UAV {agent} of {count}: {command:?}")]
-pub struct CommandError {
-    /// The agent to be commanded.
-    pub agent: AgentId,
-    /// Number of UAVs.
-    pub count: usize,
-    /// The command.
-    pub command: Command,
 }
 
 /// How the cars move.
@@ -284,7 +209,6 @@ impl World {
                 return Err(errors.into());
             }
         };
-        let clearance_m = road_clearance_m(&config.targets);
         let walls = Walls::new(&map.obstacles);
         let indoors = stations::indoors(&config.stations, &walls, &map.obstacles);
         if !indoors.is_empty() {
@@ -293,7 +217,7 @@ impl World {
         }
         let rules = RoadRules {
             inset_m: inset_m(&config.targets),
-            clearance_m,
+            clearance_m: road_clearance_m(&config.targets),
             min_network_m: MIN_NETWORK_M,
         };
         let roads = RoadGraph::build(&map.ground, &map.roads, &walls, &rules);
@@ -301,12 +225,10 @@ impl World {
             Ok(cars) => cars,
             Err(errors) => return Err(WorldErrors { errors, map_warnings: map.warnings }),
         };
-        let cleared = match Cleared::of(config, &map) {
-            Ok(cleared) => cleared,
-            Err(error) => {
-                return Err(WorldErrors { errors: vec![error.into()], map_warnings: map.warnings });
-            }
-        };
+        let cleared = Cleared::of(config, &map).map_err(|error| WorldErrors {
+            errors: vec![error.into()],
+            map_warnings: map.warnings.clone(),
+        })?;
         let fleet = cleared.as_ref().map(|cleared| cleared.launched(&config.fleet));
         let config = WorldConfig { fleet: fleet.unwrap_or(config.fleet.clone()), ..config.clone() };
         let at_start = |index| uav::at_start(&config.fleet, &map.ground, index, seed);
