@@ -160,7 +160,7 @@ impl Bits {
     /// Empties the bits beyond the last column.
     fn trim(&mut self) {
         let mask = span_mask(self.columns / 64, 0, self.columns);
-        if self.columns % 64 > 0 {
+        if !self.columns.is_multiple_of(64) {
             self.words.chunks_exact_mut(self.stride).for_each(|row| row[self.stride - 1] &= mask);
         }
     }

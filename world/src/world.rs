@@ -18,11 +18,12 @@ use crate::road::{RoadGraph, RoadRules};
 use crate::road_area::RoadArea;
 use crate::scene::{Prism, Scene};
 use crate::start_line::StartLine;
-use crate::target::{Chase, OffRoad, TargetTruth, Traffic, Walkers, Watcher, road_clearance_m};
-use crate::track::{Scripted, Tracks};
+use crate::target::{Chase, TargetTruth, Watcher, road_clearance_m};
+use crate::track::Tracks;
 use crate::truth::Monitor;
 use crate::uav::{self, Vehicle};
 
+mod cars;
 mod check;
 mod cleared;
 mod error;
@@ -31,12 +32,11 @@ pub mod stations;
 #[cfg(test)]
 mod tests;
 
+use cars::{Cars, inset_m, off_road};
 use check::{lowest_altitude_m, mistakes};
 use cleared::Cleared;
 pub use error::{CommandError, WorldError, WorldErrors};
 
-/// Room between the border of the region and the cylinder of a car on any road, metres.
-const BORDER_M: f64 = 0.5;
 /// Connected pieces of road shorter than this carry no cars, metres.
 const MIN_NETWORK_M: f64 = 20.0;
 
@@ -93,22 +93,6 @@ impl WorldConfig {
     }
 }
 
-/// How far inside the region's border the locations of cars stay, metres.
-fn inset_m(targets: &TargetsModel) -> f64 {
-    targets.radius_m + BORDER_M
-}
-
-/// How the cars move.
-#[derive(Debug)]
-enum Cars {
-    /// They drive on their own.
-    Driving(Traffic),
-    /// They stand or walk off the roads.
-    Walking(Walkers),
-    /// They follow tracks.
-    Scripted(Scripted),
-}
-
 /// The town, the cars, the UAVs and the ground stations at step k.
 #[derive(Debug)]
 pub struct World {
@@ -127,46 +111,19 @@ pub struct World {
     step: Step,
 }
 
-/// Where targets may be off the roads.
-fn off_road<'a>(config: &WorldConfig, map: &Map, walls: &'a Walls) -> OffRoad<'a> {
-    let inset_m = inset_m(&config.targets);
-    OffRoad {
-        ground: Ground { size_m: map.ground.size_m.map(|side_m| side_m - 2.0 * inset_m) },
-        walls,
-        clearance_m: road_clearance_m(&config.targets),
-    }
+/// The navigation systems of the UAVs, if they have any.
+fn navigation(config: &WorldConfig, seed: u64) -> Vec<Navigation> {
+    let Some(model) = config.navigation else { return Vec::new() };
+    let system = |id| Navigation::new(model, config.period_s, seed, AgentId(id));
+    (0..config.fleet.count).map(system).collect()
 }
 
-impl Cars {
-    /// The cars at step 0.
-    fn start(
-        config: &WorldConfig,
-        map: &Map,
-        walls: &Walls,
-        roads: &RoadGraph,
-        seed: u64,
-    ) -> Result<Self, Vec<WorldError>> {
-        let Some(tracks) = &config.tracks else {
-            if matches!(config.targets.driving, Driving::Static | Driving::RandomWalk) {
-                let ground = off_road(config, map, walls);
-                let walkers = Walkers::place(&ground, &config.targets, seed);
-                return walkers.map(Self::Walking).map_err(|error| vec![error.into()]);
-            }
-            let traffic = Traffic::place(roads, map.roads.len(), &config.targets, seed);
-            return traffic.map(Self::Driving).map_err(|error| vec![error.into()]);
-        };
-        let faults = tracks.faults(&config.targets, &map.ground, &map.obstacles);
-        let mut errors: Vec<WorldError> = faults.into_iter().map(WorldError::Track).collect();
-        if tracks.count() != usize::from(config.targets.count) {
-            let (got, expected) = (config.targets.count.to_string(), tracks.count().to_string());
-            errors.push(WorldError::Config { key: "targets.count", got, expected });
-        }
-        if errors.is_empty() {
-            Ok(Self::Scripted(Scripted::new(tracks.clone())))
-        } else {
-            Err(errors)
-        }
-    }
+/// The odometry of the UAVs, if they have any.
+fn odometry(config: &WorldConfig, vehicles: &[Box<dyn Vehicle>], seed: u64) -> Vec<Odometry> {
+    let Some(model) = config.odometry else { return Vec::new() };
+    let poses = vehicles.iter().map(|uav| uav.pose());
+    let ids = (0..).map(AgentId);
+    ids.zip(poses).map(|(id, pose)| Odometry::new(model, &pose, seed, id)).collect()
 }
 
 impl World {
@@ -238,16 +195,8 @@ impl World {
             launch::clear(&mut map, &config.fleet, &starts);
         }
         let prisms = (0..).zip(&map.obstacles).map(|(i, o)| o.prism(i)).collect();
-        let navigation = config.navigation.iter().flat_map(|model| {
-            let system = |id| Navigation::new(*model, config.period_s, seed, AgentId(id));
-            (0..config.fleet.count).map(system)
-        });
-        let navigation = navigation.collect();
-        let odometry = config.odometry.iter().flat_map(|model| {
-            let systems = (0..).zip(&vehicles);
-            systems.map(|(id, uav)| Odometry::new(*model, &uav.pose(), seed, AgentId(id)))
-        });
-        let odometry = odometry.collect();
+        let navigation = navigation(&config, seed);
+        let odometry = odometry(&config, &vehicles, seed);
         let step = Step(0);
         Ok(Self {
             config,
