@@ -141,14 +141,15 @@ impl Bits {
     /// Keeps each cell with probability `share`, 0..1. The distances between cells that stay are drawn, so that
     /// the cost is proportional to their number.
     pub fn thin(mut self, share: f64, rng: &mut impl Rng) -> Self {
-        let mut skip = geometric(share, rng);
+        let log_miss = (-share).ln_1p();
+        let mut skip = geometric(log_miss, rng);
         for word in &mut self.words {
             let (mut rest, mut kept) = (*word, 0);
             while skip < u64::from(rest.count_ones()) {
                 (0..skip).for_each(|_| rest &= rest - 1);
                 kept |= rest & rest.wrapping_neg();
                 rest &= rest - 1;
-                skip = geometric(share, rng);
+                skip = geometric(log_miss, rng);
             }
             skip -= u64::from(rest.count_ones());
             *word = kept;
@@ -159,7 +160,7 @@ impl Bits {
     /// Empties the bits beyond the last column.
     fn trim(&mut self) {
         let mask = span_mask(self.columns / 64, 0, self.columns);
-        if self.columns % 64 > 0 {
+        if !self.columns.is_multiple_of(64) {
             self.words.chunks_exact_mut(self.stride).for_each(|row| row[self.stride - 1] &= mask);
         }
     }
@@ -171,6 +172,16 @@ pub(crate) fn ones(mut word: u64) -> impl Iterator<Item = usize> {
         let bit = (word != 0).then(|| word.trailing_zeros() as usize)?;
         word &= word - 1;
         Some(bit)
+    })
+}
+
+/// The runs of ones of a word: first and end.
+pub(crate) fn runs(mut word: u64) -> impl Iterator<Item = [usize; 2]> {
+    std::iter::from_fn(move || {
+        let first = (word != 0).then(|| word.trailing_zeros() as usize)?;
+        let end = first + (word >> first).trailing_ones() as usize;
+        word &= !span_mask(0, first, end);
+        Some([first, end])
     })
 }
 
@@ -204,14 +215,11 @@ fn smear_row(row: &mut [u64], [back, on]: [usize; 2]) {
     }
 }
 
-/// The number of failures before the first success of trials that succeed with probability `share`.
-fn geometric(share: f64, rng: &mut impl Rng) -> u64 {
-    if share >= 1.0 {
-        return 0;
-    }
-    // 1 - u is in (0, 1]. The conversion saturates: with a share of 0 there is no success.
-    let u: f64 = rng.random();
-    if share > 0.0 { ((1.0 - u).ln() / (-share).ln_1p()) as u64 } else { u64::MAX }
+/// The number of failures before the first success of trials, by the logarithm of the probability that one fails.
+fn geometric(log_miss: f64, rng: &mut impl Rng) -> u64 {
+    // In (0, 1]. If trials never fail, the quotient is 0.
+    let u = 1.0 - rng.random::<f64>();
+    if log_miss < 0.0 { (u.ln() / log_miss) as u64 } else { u64::MAX }
 }
 
 #[cfg(test)]
@@ -266,6 +274,13 @@ mod tests {
             rest.set_span(1, [a, b], false);
             prop_assert_eq!(rest, Bits::full(columns, 2).without(&bits));
         }
+    }
+
+    #[test]
+    fn runs_of_ones() {
+        let all = |word| runs(word).collect::<Vec<_>>();
+        assert_eq!(all(0b01101), [[0, 1], [2, 4]]);
+        assert_eq!((all(0), all(u64::MAX), all(1 << 63)), (vec![], vec![[0, 64]], vec![[63, 64]]));
     }
 
     #[test]

@@ -112,4 +112,27 @@ mod tests {
         uav.advance(1.0);
         assert!(uav.pose().yaw_rad > 0.05 && uav.pose().roll_rad < -0.1, "{:?}", uav.pose());
     }
+
+    #[test]
+    fn every_multirotor_errs_on_its_own() {
+        let ground = Ground { size_m: [500.0, 300.0] };
+        let mut fleet = FleetModel { vehicle: VehicleKind::Multirotor, ..FleetModel::default() };
+        fleet.multirotor.motion_error_m = 0.5;
+        let moved = |fleet: &FleetModel, index, seed| {
+            let mut uav = at_start(fleet, &ground, index, seed);
+            let start = uav.pose().p_world;
+            assert!(uav.command(Command::Displace { by_m: [1.0, 0.0] }));
+            assert!(!uav.command(Command::Yaw { yaw_rad: 0.0 }));
+            uav.advance(1.0);
+            [0, 1].map(|axis| uav.pose().p_world[axis] - start[axis])
+        };
+        let all = [moved(&fleet, 0, 1), moved(&fleet, 1, 1), moved(&fleet, 0, 2)];
+        assert_eq!(all[0], moved(&fleet, 0, 1));
+        assert!(all[0] != all[1] && all[0] != all[2]);
+        assert!(all.iter().all(|[x, y]| (x - 1.0).abs() <= 0.5 && y.abs() <= 0.5), "{all:?}");
+        for vehicle in [VehicleKind::Quadcopter, VehicleKind::FixedWing] {
+            let mut uav = at_start(&FleetModel { vehicle, ..fleet.clone() }, &ground, 0, 1);
+            assert!(!uav.command(Command::Displace { by_m: [1.0, 0.0] }), "{vehicle:?}");
+        }
+    }
 }

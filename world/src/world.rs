@@ -17,28 +17,26 @@ use crate::odometry::Odometry;
 use crate::road::{RoadGraph, RoadRules};
 use crate::road_area::RoadArea;
 use crate::scene::{Prism, Scene};
-use crate::start_line::{StartLine, StartLineError};
-use crate::target::{
-    Chase, OffRoad, OffRoadError, PlacementError, TargetTruth, Traffic, Walkers, Watcher,
-    road_clearance_m,
-};
-use crate::track::{Scripted, TrackError, Tracks};
+use crate::start_line::StartLine;
+use crate::target::{Chase, TargetTruth, Watcher, road_clearance_m};
+use crate::track::Tracks;
 use crate::truth::Monitor;
 use crate::uav::{self, Vehicle};
 
+mod cars;
 mod check;
 mod cleared;
+mod error;
 mod launch;
 pub mod stations;
 #[cfg(test)]
 mod tests;
 
+use cars::{Cars, inset_m, off_road};
 use check::{lowest_altitude_m, mistakes};
 use cleared::Cleared;
-use stations::StationError;
+pub use error::{CommandError, WorldError, WorldErrors};
 
-/// Room between the border of the region and the cylinder of a car on any road, metres.
-const BORDER_M: f64 = 0.5;
 /// Connected pieces of road shorter than this carry no cars, metres.
 const MIN_NETWORK_M: f64 = 20.0;
 
@@ -95,95 +93,6 @@ impl WorldConfig {
     }
 }
 
-/// One reason why there is no world.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum WorldError {
-    /// An impossible value of the scenario.
-    #[error("{key}: got {got}, expected {expected}")]
-    Config {
-        /// The scenario key.
-        key: &'static str,
-        /// Its value.
-        got: String,
-        /// What is expected.
-        expected: String,
-    },
-    /// A ground station at an impossible place.
-    #[error(transparent)]
-    Station(#[from] StationError),
-    /// The map.
-    #[error(transparent)]
-    Map(#[from] MapError),
-    /// No start line.
-    #[error(transparent)]
-    StartLine(#[from] StartLineError),
-    /// No room for all cars.
-    #[error(transparent)]
-    Placement(#[from] PlacementError),
-    /// No room for all targets off the roads.
-    #[error(transparent)]
-    OffRoad(#[from] OffRoadError),
-    /// A car that does not keep to the model.
-    #[error("targets.tracks: {0}")]
-    Track(TrackError),
-}
-
-/// Why there is no world.
-#[derive(Debug, Clone, PartialEq)]
-pub struct WorldErrors {
-    /// Every reason; never empty.
-    pub errors: Vec<WorldError>,
-    /// What was left out of the map, which may be why the map has no room.
-    pub map_warnings: Vec<MapWarning>,
-}
-
-impl From<Vec<WorldError>> for WorldErrors {
-    fn from(errors: Vec<WorldError>) -> Self {
-        Self { errors, map_warnings: Vec::new() }
-    }
-}
-
-impl std::fmt::Display for WorldErrors {
-    /// One line per reason.
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for (index, error) in self.errors.iter().enumerate() {
-            let separator = if index > 0 { "\n" } else { "" };
-            write!(f, "{separator}{error}")?;
-        }
-        Ok(())
-    }
-}
-
-impl std::error::Error for WorldErrors {}
-
-/// How far inside the region's border the locations of cars stay, metres.
-fn inset_m(targets: &TargetsModel) -> f64 {
-    targets.radius_m + BORDER_M
-}
-
-/// The fleet has no such UAV, or its vehicle cannot follow the command.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("UAV {agent} of {count}: {command:?}")]
-pub struct CommandError {
-    /// The agent to be commanded.
-    pub agent: AgentId,
-    /// Number of UAVs.
-    pub count: usize,
-    /// The command.
-    pub command: Command,
-}
-
-/// How the cars move.
-#[derive(Debug)]
-enum Cars {
-    /// They drive on their own.
-    Driving(Traffic),
-    /// They stand or walk off the roads.
-    Walking(Walkers),
-    /// They follow tracks.
-    Scripted(Scripted),
-}
-
 /// The town, the cars, the UAVs and the ground stations at step k.
 #[derive(Debug)]
 pub struct World {
@@ -202,46 +111,19 @@ pub struct World {
     step: Step,
 }
 
-/// Where targets may be off the roads.
-fn off_road<'a>(config: &WorldConfig, map: &Map, walls: &'a Walls) -> OffRoad<'a> {
-    let inset_m = inset_m(&config.targets);
-    OffRoad {
-        ground: Ground { size_m: map.ground.size_m.map(|side_m| side_m - 2.0 * inset_m) },
-        walls,
-        clearance_m: road_clearance_m(&config.targets),
-    }
+/// The navigation systems of the UAVs, if they have any.
+fn navigation(config: &WorldConfig, seed: u64) -> Vec<Navigation> {
+    let Some(model) = config.navigation else { return Vec::new() };
+    let system = |id| Navigation::new(model, config.period_s, seed, AgentId(id));
+    (0..config.fleet.count).map(system).collect()
 }
 
-impl Cars {
-    /// The cars at step 0.
-    fn start(
-        config: &WorldConfig,
-        map: &Map,
-        walls: &Walls,
-        roads: &RoadGraph,
-        seed: u64,
-    ) -> Result<Self, Vec<WorldError>> {
-        let Some(tracks) = &config.tracks else {
-            if matches!(config.targets.driving, Driving::Static | Driving::RandomWalk) {
-                let ground = off_road(config, map, walls);
-                let walkers = Walkers::place(&ground, &config.targets, seed);
-                return walkers.map(Self::Walking).map_err(|error| vec![error.into()]);
-            }
-            let traffic = Traffic::place(roads, map.roads.len(), &config.targets, seed);
-            return traffic.map(Self::Driving).map_err(|error| vec![error.into()]);
-        };
-        let faults = tracks.faults(&config.targets, &map.ground, &map.obstacles);
-        let mut errors: Vec<WorldError> = faults.into_iter().map(WorldError::Track).collect();
-        if tracks.count() != usize::from(config.targets.count) {
-            let (got, expected) = (config.targets.count.to_string(), tracks.count().to_string());
-            errors.push(WorldError::Config { key: "targets.count", got, expected });
-        }
-        if errors.is_empty() {
-            Ok(Self::Scripted(Scripted::new(tracks.clone())))
-        } else {
-            Err(errors)
-        }
-    }
+/// The odometry of the UAVs, if they have any.
+fn odometry(config: &WorldConfig, vehicles: &[Box<dyn Vehicle>], seed: u64) -> Vec<Odometry> {
+    let Some(model) = config.odometry else { return Vec::new() };
+    let poses = vehicles.iter().map(|uav| uav.pose());
+    let ids = (0..).map(AgentId);
+    ids.zip(poses).map(|(id, pose)| Odometry::new(model, &pose, seed, id)).collect()
 }
 
 impl World {
@@ -284,7 +166,6 @@ impl World {
                 return Err(errors.into());
             }
         };
-        let clearance_m = road_clearance_m(&config.targets);
         let walls = Walls::new(&map.obstacles);
         let indoors = stations::indoors(&config.stations, &walls, &map.obstacles);
         if !indoors.is_empty() {
@@ -293,7 +174,7 @@ impl World {
         }
         let rules = RoadRules {
             inset_m: inset_m(&config.targets),
-            clearance_m,
+            clearance_m: road_clearance_m(&config.targets),
             min_network_m: MIN_NETWORK_M,
         };
         let roads = RoadGraph::build(&map.ground, &map.roads, &walls, &rules);
@@ -301,12 +182,10 @@ impl World {
             Ok(cars) => cars,
             Err(errors) => return Err(WorldErrors { errors, map_warnings: map.warnings }),
         };
-        let cleared = match Cleared::of(config, &map) {
-            Ok(cleared) => cleared,
-            Err(error) => {
-                return Err(WorldErrors { errors: vec![error.into()], map_warnings: map.warnings });
-            }
-        };
+        let cleared = Cleared::of(config, &map).map_err(|error| WorldErrors {
+            errors: vec![error.into()],
+            map_warnings: map.warnings.clone(),
+        })?;
         let fleet = cleared.as_ref().map(|cleared| cleared.launched(&config.fleet));
         let config = WorldConfig { fleet: fleet.unwrap_or(config.fleet.clone()), ..config.clone() };
         let at_start = |index| uav::at_start(&config.fleet, &map.ground, index, seed);
@@ -316,16 +195,8 @@ impl World {
             launch::clear(&mut map, &config.fleet, &starts);
         }
         let prisms = (0..).zip(&map.obstacles).map(|(i, o)| o.prism(i)).collect();
-        let navigation = config.navigation.iter().flat_map(|model| {
-            let system = |id| Navigation::new(*model, config.period_s, seed, AgentId(id));
-            (0..config.fleet.count).map(system)
-        });
-        let navigation = navigation.collect();
-        let odometry = config.odometry.iter().flat_map(|model| {
-            let systems = (0..).zip(&vehicles);
-            systems.map(|(id, uav)| Odometry::new(*model, &uav.pose(), seed, AgentId(id)))
-        });
-        let odometry = odometry.collect();
+        let navigation = navigation(&config, seed);
+        let odometry = odometry(&config, &vehicles, seed);
         let step = Step(0);
         Ok(Self {
             config,

@@ -63,25 +63,21 @@ fn point() -> impl Strategy<Value = [f64; 2]> {
     [-22.0..22.0f64, -17.0..17.0f64]
 }
 
-/// Images over time: each moves a little, and some appear or vanish.
-fn flight() -> impl Strategy<Value = Vec<Vec<Square>>> {
-    let moves = prop::collection::vec((any::<bool>(), [-2.0..2.0f64, -2.0..2.0f64]), 12);
-    let image = (point(), 4.0..25.0f64, moves);
-    prop::collection::vec(image, 1..5).prop_map(|images| {
-        (0..12)
-            .map(|step| {
-                let at = |(middle, side_m, moves): &([f64; 2], f64, Vec<(bool, [f64; 2])>)| {
-                    let (is_new, by) = moves[step];
-                    let drift = step as f64 * 0.7;
-                    let middle = [middle[0] + by[0] + drift, middle[1] + by[1]];
-                    // One in four steps without it, about.
-                    let is_there = is_new || step % 2 == 0;
-                    is_there.then_some(Square { middle, side_m: *side_m })
-                };
-                images.iter().filter_map(at).collect()
-            })
-            .collect()
-    })
+/// An image over time: where it begins, its side, and its jumps; in some odd steps it is absent.
+type Image = ([f64; 2], f64, Vec<(bool, [f64; 2])>);
+
+const STEPS: usize = 12;
+
+fn image() -> impl Strategy<Value = Image> {
+    let jumps = prop::collection::vec((any::<bool>(), [-2.0..2.0f64, -2.0..2.0f64]), STEPS);
+    (point(), 4.0..25.0f64, jumps)
+}
+
+/// Where an image is in a step.
+fn square((middle, side_m, jumps): &Image, step: usize) -> Option<Square> {
+    let (is_there, jump) = jumps[step];
+    let middle = [middle[0] + 0.7 * step as f64 + jump[0], middle[1] + jump[1]];
+    (is_there || step.is_multiple_of(2)).then_some(Square { middle, side_m: *side_m })
 }
 
 proptest! {
@@ -89,12 +85,13 @@ proptest! {
     #[test]
     fn it_agrees_with_the_definition(
         roads in prop::collection::vec(prop::collection::vec(point(), 2..4), 1..5),
-        flight in flight(),
+        images in prop::collection::vec(image(), 1..5),
     ) {
         let roads = area(roads);
         let mut quick = Contamination::new(&roads);
         let mut plain = Plain { roads: &roads, contaminated: roads.cells().collect() };
-        for images in flight {
+        for step in 0..STEPS {
+            let images: Vec<Square> = images.iter().filter_map(|i| square(i, step)).collect();
             let expected = plain.step(&images);
             prop_assert_eq!(quick.step(&images).recontaminated, expected);
             prop_assert_eq!(quick.cells().collect::<Vec<_>>(), plain.contaminated.clone());

@@ -142,6 +142,8 @@ fn further(ends: [Point; 2], model: &DesertModel, rng: &mut ChaCha8Rng) -> Optio
 mod tests {
     use super::*;
     use crate::map::MapKind;
+    use crate::road_area::{CELL_M, RoadArea, neighbours};
+    use crate::start_line::StartLine;
 
     fn config(desert: DesertModel) -> MapConfig {
         MapConfig { kind: MapKind::Desert, desert, ..MapConfig::default() }
@@ -193,6 +195,44 @@ mod tests {
             assert!(map.roads.iter().any(|road| road[1][0] == -250.0), "{seed}");
             assert!(map.obstacles.is_empty() && map.warnings.is_empty());
             assert!(map.roads.iter().flatten().all(|p| map.ground.contains(*p)));
+        }
+    }
+
+    /// How many pieces of ground the roads enclose: those without a way to the outside over sides of cells.
+    fn enclosed(roads: &RoadArea) -> usize {
+        // A margin of one cell around the raster is outside.
+        let size = [roads.columns() + 2, roads.rows() + 2];
+        let index = |[column, row]: [usize; 2]| row * size[0] + column;
+        let mut is_done = vec![false; size[0] * size[1]];
+        for cell in roads.cells() {
+            let [column, row] = roads.place(cell);
+            is_done[index([column + 1, row + 1])] = true;
+        }
+        let mut pieces = 0;
+        for start in 0..is_done.len() {
+            pieces += usize::from(!is_done[start]);
+            let mut found = vec![[start % size[0], start / size[0]]];
+            while let Some(cell) = found.pop() {
+                if !std::mem::replace(&mut is_done[index(cell)], true) {
+                    let is_side =
+                        |[c, r]: &[usize; 2]| c.abs_diff(cell[0]) + r.abs_diff(cell[1]) == 1;
+                    found.extend(neighbours(cell, size).filter(is_side));
+                }
+            }
+        }
+        pieces - 1
+    }
+
+    #[test]
+    fn the_road_area_is_connected_and_has_the_loops_of_the_streets() {
+        for (seed, loop_share) in [(1, 0.0), (2, 0.0), (3, 0.3), (4, 1.0)] {
+            let desert = DesertModel { loop_share, ..DesertModel::default() };
+            let desert = DesertModel { dead_end_share: 0.3 * (1.0 - loop_share), ..desert };
+            let roads = RoadArea::new(&streets(&config(desert), seed), CELL_M);
+            assert_eq!(enclosed(&roads), census(desert, seed)[0], "{seed}");
+            let start = StartLine::choose(&roads, None).unwrap();
+            assert_eq!(roads.component(&start), roads, "{seed}");
+            assert_eq!(StartLine::all(&roads).len(), census(desert, seed)[2], "{seed}");
         }
     }
 }

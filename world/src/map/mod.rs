@@ -310,6 +310,47 @@ mod tests {
     }
 
     #[test]
+    fn the_keys_of_deserts_are_checked_and_belong_to_deserts() {
+        let desert = |loop_share, dead_end_share| DesertModel { loop_share, dead_end_share };
+        let config = MapConfig { kind: MapKind::Desert, ..MapConfig::default() };
+        let map = load(&config, &RULES, 1).unwrap();
+        assert_eq!((map.obstacles.len(), map.roads.len() > 24), (0, true));
+        let wrong = MapConfig {
+            file: Some("x.geojson".into()),
+            untagged: Some(Untagged::Ignore),
+            built_share: 0.1,
+            min_height_m: 7.0,
+            max_height_m: 44.0,
+            road_spacing_m: 30.0,
+            desert: desert(1.1, f64::NAN),
+            start_line: Some([-250.1, 0.0]),
+            ..config.clone()
+        };
+        let expected = [
+            "map.file",
+            "map.untagged",
+            "map.built_share",
+            "map.min_height_m",
+            "map.max_height_m",
+            "map.road_spacing_m",
+            "map.desert.loop_share",
+            "map.desert.dead_end_share",
+            "map.start_line",
+        ];
+        assert_eq!(keys(&wrong, &RULES), expected);
+        let wrong = MapConfig { desert: desert(0.6, 0.6), ..config };
+        assert_eq!(keys(&wrong, &RULES), ["map.desert.dead_end_share"]);
+        for (kind, expected) in [
+            (MapKind::Generated, vec!["map.desert"]),
+            (MapKind::Open, vec!["map.desert", "map.start_line"]),
+        ] {
+            let start_line = Some([-250.0, 0.0]);
+            let wrong = MapConfig { kind, start_line, desert: desert(0.5, 0.5), ..wrong.clone() };
+            assert_eq!(keys(&wrong, &RULES), expected);
+        }
+    }
+
+    #[test]
     fn a_missing_file_is_named() {
         let config = MapConfig {
             kind: MapKind::GeoJson,
@@ -329,5 +370,12 @@ mod tests {
         assert_eq!(config.kind, MapKind::GeoJson);
         assert_eq!(config.size_m, [400.0, 300.0]);
         assert!(serde_json::from_str::<MapConfig>(r#"{"sise_m": [1, 1]}"#).is_err());
+        let json = r#"{"kind": "desert", "desert": {"loop_share": 0}, "start_line": [-250, 3]}"#;
+        let config: MapConfig = serde_json::from_str(json).unwrap();
+        let desert = DesertModel { loop_share: 0.0, ..DesertModel::default() };
+        assert_eq!((config.desert, config.start_line), (desert, Some([-250.0, 3.0])));
+        assert!(serde_json::from_str::<MapConfig>(r#"{"desert": {"loops": 1}}"#).is_err());
+        let usual = serde_json::to_string(&MapConfig::default()).unwrap();
+        assert!(!usual.contains("desert") && !usual.contains("start_line"), "{usual}");
     }
 }

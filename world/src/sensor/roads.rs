@@ -13,7 +13,7 @@ use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::frame::Label;
 use csat_proto::model::RoadSensor;
 
-use crate::bits::{Bits, ones};
+use crate::bits::{Bits, ones, runs};
 use crate::camera::noise::{NoisePurpose, Stream};
 use crate::road_area::RoadArea;
 
@@ -45,26 +45,41 @@ pub(super) fn labels(
 fn exact(camera: &CameraModel, pose: &Pose, roads: &RoadArea) -> Bits {
     let [x, y, height_m] = pose.p_world;
     let pixel_m = height_m / camera.focal_px();
-    let size = [camera.columns, camera.rows];
-    // From the middle of the image to the middle of a pixel, metres.
-    let offset_m =
-        |index: usize, axis: usize| (index as f64 + 0.5 - f64::from(size[axis]) / 2.0) * pixel_m;
-    let [width, height] = size.map(usize::from);
-    // Word and bit of the raster's row at each pixel's middle.
-    let place = |column| roads.index_at(0, x + offset_m(column, 0)).map(|c| (c / 64, c % 64));
-    let places: Vec<Option<(usize, usize)>> = (0..width).map(place).collect();
-    let first = places.iter().position(Option::is_some).unwrap_or(width);
-    let places: Vec<(usize, usize)> = places.into_iter().flatten().collect();
-    let mut seen = Bits::empty(width, height);
-    for row in 0..height {
-        let Some(index) = roads.index_at(1, y - offset_m(row, 1)) else { continue };
-        let source = roads.bits.row(index);
-        let target = seen.row_mut(row);
-        for (column, &(word, bit)) in (first..).zip(&places) {
-            target[column / 64] |= (source[word] >> bit & 1) << (column % 64);
+    // From the middle of an image of `size` pixels to the middle of a pixel, metres.
+    let offset_m = |index: usize, size: u16| (index as f64 + 0.5 - f64::from(size) / 2.0) * pixel_m;
+    let columns = usize::from(camera.columns);
+    let firsts = first_pixels(roads.columns(), columns, |column| {
+        roads.index_at(0, x + offset_m(column, camera.columns))
+    });
+    let mut seen = Bits::empty(columns, camera.rows.into());
+    for row in 0..usize::from(camera.rows) {
+        let Some(source) = roads.index_at(1, y - offset_m(row, camera.rows)) else { continue };
+        for (index, word) in roads.bits.row(source).iter().enumerate() {
+            for run in runs(*word) {
+                seen.set_span(row, run.map(|bit| firsts[64 * index + bit]), true);
+            }
         }
     }
     seen
+}
+
+/// By column of the raster, and for the one after its last: the first pixel of a row that is there or further
+/// east. The pixels of the columns from a to b are therefore those from the first one of a to that of b + 1.
+fn first_pixels(
+    columns: usize,
+    pixels: usize,
+    column_at: impl Fn(usize) -> Option<usize>,
+) -> Vec<usize> {
+    let outside = (0..pixels).take_while(|pixel| column_at(*pixel).is_none()).count();
+    let mut firsts = vec![0; columns + 1];
+    for column in (0..pixels).filter_map(column_at) {
+        firsts[column + 1] += 1;
+    }
+    firsts[0] = outside;
+    for column in 0..columns {
+        firsts[column + 1] += firsts[column];
+    }
+    firsts
 }
 
 /// The pixels labelled Road in place of E.

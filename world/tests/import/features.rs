@@ -99,6 +99,18 @@ fn roads_need_two_positions_and_cars() {
 }
 
 #[test]
+fn every_line_of_a_road_has_the_width_of_the_road() {
+    let lines = json!([positions(&ROAD), positions(&[[0.0, -40.0], [0.0, 40.0]])]);
+    let lines = json!({ "type": "MultiLineString", "coordinates": lines });
+    let wide = feature(json!({ "highway": "motorway" }), lines);
+    let mut tagged = road(&ROAD);
+    tagged["properties"]["width"] = json!("3.5 m");
+    let map = read(&collection(json!([building(&[&SQUARE]), wide, road(&ROAD), tagged]))).unwrap();
+    assert_eq!(map.road_widths_m, [15.0, 15.0, 6.0, 3.5]);
+    assert_eq!(map.road_width_m(3), 3.5);
+}
+
+#[test]
 fn the_window_cuts_and_what_is_outside_is_counted() {
     let at = |x: f64| SQUARE.iter().map(|p| [p[0] + x, p[1]]).collect::<Vec<_>>();
     let map = with_road(vec![building(&[&at(45.0)]), building(&[&at(60.0)])]);

@@ -182,4 +182,22 @@ mod tests {
         }
         assert_eq!(class_width_m("footway"), None);
     }
+
+    #[test]
+    fn the_documentation_has_the_width_of_every_class() {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/maps.md");
+        let text = std::fs::read_to_string(path).unwrap();
+        let lines = text.lines().skip_while(|line| *line != "## Widths of roads");
+        let rows = lines.skip_while(|line| !line.starts_with('|')).skip(2);
+        let rows = rows.take_while(|line| line.starts_with('|'));
+        let mut documented = 0;
+        for row in rows {
+            let (classes, width_m) = row.trim_matches('|').split_once('|').unwrap();
+            for class in classes.split(',').map(str::trim) {
+                assert_eq!(class_width_m(class), width_m.trim().parse().ok(), "{class}");
+                documented += 1;
+            }
+        }
+        assert_eq!(documented, DRIVABLE.len());
+    }
 }
