@@ -28,7 +28,7 @@ use crate::missions::Missions;
 use crate::verdict::FAILED;
 
 pub use csat_flight::{
-    bayes, flight, metrics_file, missions, outputs, passages, plot, progress, provenance,
+    bayes, clearing, flight, metrics_file, missions, outputs, passages, plot, progress, provenance,
     published, record, rounding, run_folder, scenario, series, set_membership, show, station,
     summary, ticks, timing, truth, values, view, world,
 };

@@ -10,6 +10,7 @@ use common::docs::root;
 use common::{csat, json, read, scratch, small_run, text};
 use csat_agent::agent::Event;
 use csat_experiments::bayes::Bayes;
+use csat_experiments::clearing::Clearing;
 use csat_experiments::flight::ViolationLine;
 use csat_experiments::outputs::{File, files, own_files};
 use csat_experiments::set_membership::SetMembership;
@@ -218,9 +219,10 @@ fn links_account_for_their_bytes() {
 fn sections() -> Vec<(String, File)> {
     let usual = &SetMembership::KIND;
     let of_usual = files(usual).into_iter().map(|file| (format!("`{}`", file.name), file));
-    let kind = &Bayes::KIND;
-    let own = own_files(kind, usual).into_iter();
-    let own = own.map(|file| (format!("`{}` of `{}`", file.name, kind.name), file));
+    let own = [&Bayes::KIND, &Clearing::KIND].into_iter().flat_map(|kind| {
+        let own = own_files(kind, usual).into_iter();
+        own.map(|file| (format!("`{}` of `{}`", file.name, kind.name), file))
+    });
     of_usual.chain(own).collect()
 }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// What a vehicle is told to do from now on.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(untagged)]
 pub enum Command {
     /// To fly at this heading, at constant speed and altitude (5.35).
     Yaw {

@@ -13,7 +13,7 @@ use crate::ids::{AgentId, Incarnation, MAX_TARGETS, RunId, TargetId};
 use crate::time::{SimTime, Step};
 
 /// The version of this protocol; processes with another version are refused.
-pub const PROTOCOL: u32 = 4;
+pub const PROTOCOL: u32 = 3;
 
 /// The most messages that an agent sends on a radio per step, averaged over its incarnation: greater
 /// sequence numbers are forged.

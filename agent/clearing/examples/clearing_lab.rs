@@ -43,7 +43,8 @@ fn main() {
 fn tell(flight: &Flight) {
     println!("{:7.1} s, {:5.1} %", flight.time_s(), 100.0 * flight.truth.cleared_share());
     for (agent, vehicle) in flight.agents.iter().zip(&flight.vehicles) {
-        let runs: Vec<_> = agent.runs().iter().map(|run| (run.rect.rows, run.rect.columns)).collect();
+        let runs: Vec<_> =
+            agent.runs().iter().map(|run| (run.rect.rows, run.rect.columns)).collect();
         println!(
             "  {} {:10} at {:6.1} {:6.1} leader {:?} followers {} stalled {} runs {runs:?}",
             agent.config().id,

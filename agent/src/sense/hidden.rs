@@ -14,7 +14,8 @@ pub fn hidden_and_seen(view: &CameraView, frame: &Frame, grid: Grid) -> (Raster,
     let (mut hidden, mut seen) = (Raster::empty(grid), Raster::empty(grid));
     for_each_visible_cell(view, frame, grid, |column, row, label| match label {
         Label::Ground => seen.set(column, row),
-        Label::Obstacle | Label::Target | Label::Unknown => hidden.set(column, row),
+        // A camera that segments roads is none of this mission.
+        Label::Obstacle | Label::Target | Label::Unknown | Label::Road => hidden.set(column, row),
     });
     (hidden, seen)
 }

@@ -166,7 +166,7 @@ impl<M: Mission> Shell<M> {
                 header.check_blind(self.period_s, pixels.len())?;
                 self.node.step(time, step);
             }
-            Some(SensorModel::Labels(camera)) => {
+            Some(SensorModel::Labels(camera) | SensorModel::Roads(camera, _)) => {
                 let (labels, depth) = frame_wire::decode(pixels, camera.pixels())
                     .map_err(|source| AgentError::Frame { step, source })?;
                 header.check(camera, self.period_s, &labels)?;

@@ -139,7 +139,9 @@ pub fn mistakes(
     expect(sensor.gap_px <= most, "segmentation.gap_px", sensor.gap_px.to_string(), expected);
     let highest_m = heights_m[0].max(heights_m[1]);
     let pixel_m = highest_m / camera.focal_px();
-    let expected = format!("pixels of at most {cell_m} m of ground, so that no cell is missed");
+    let expected = format!(
+        "pixels of at most {cell_m} m of ground, so that no cell is missed: condition (1) of Gagliardi et al."
+    );
     let got = format!("{highest_m} m for the highest UAV, pixels of {pixel_m:.3} m");
     expect(pixel_m > 0.0 && pixel_m <= cell_m, "agents.altitude_m", got, expected);
     mistakes

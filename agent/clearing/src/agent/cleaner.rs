@@ -303,9 +303,8 @@ impl ClearingAgent {
         let back = [0, 1].map(|axis| (cleaner.anchor_m[axis] - place_m[axis]) / step_m);
         let direction = self.mover.hold(&cleaner.runs, back);
         let Some(away) = direction.away else { return direction.way };
-        cleaner.anchor_m = [0, 1].map(|axis| {
-            if away[axis] == 0 { cleaner.anchor_m[axis] } else { place_m[axis] }
-        });
+        cleaner.anchor_m =
+            [0, 1].map(|axis| if away[axis] == 0 { cleaner.anchor_m[axis] } else { place_m[axis] });
         direction.way
     }
 

@@ -103,16 +103,23 @@ fn vehicle(check: &mut Check, fleet: &FleetModel) {
     if check.0.len() > before {
         return;
     }
+    let with = match fleet.vehicle {
+        VehicleKind::Quadcopter => "with agents.vehicle = \"quadcopter\"",
+        VehicleKind::FixedWing => "with agents.vehicle = \"fixed-wing\"",
+        VehicleKind::Multirotor => "with agents.vehicle = \"multirotor\"",
+    };
+    let mut unused = |key, values: [f64; 2]| check.unused(&[key, "agents.vehicle"], values, with);
+    if fleet.vehicle != VehicleKind::Quadcopter {
+        unused("agents.yaw_settling_s", [fleet.yaw_settling_s, usual.yaw_settling_s]);
+    }
+    if fleet.vehicle != VehicleKind::Multirotor {
+        let errors = [fleet.multirotor, usual.multirotor].map(|model| model.motion_error_m);
+        unused("agents.multirotor.motion_error_m", errors);
+    }
     if fleet.vehicle == VehicleKind::FixedWing {
-        let keys = ["agents.yaw_settling_s", "agents.vehicle"];
-        let values = [fleet.yaw_settling_s, usual.yaw_settling_s];
-        check.unused(&keys, values, "with agents.vehicle = \"fixed-wing\"");
         return;
     }
     let (own, usual) = (&fleet.fixed_wing, &usual.fixed_wing);
-    let mut unused = |key, values: [f64; 2]| {
-        check.unused(&[key, "agents.vehicle"], values, "with agents.vehicle = \"quadcopter\"");
-    };
     unused("agents.fixed_wing.roll_max_deg", [own.roll_max_deg, usual.roll_max_deg]);
     unused(
         "agents.fixed_wing.roll_time_constant_s",
@@ -129,7 +136,7 @@ fn vehicle(check: &mut Check, fleet: &FleetModel) {
     );
     let keys = ["agents.fixed_wing.wind_m_s", "agents.vehicle"];
     let values = [own.wind_m_s, usual.wind_m_s];
-    check.unused(&keys, values, "with agents.vehicle = \"quadcopter\"");
+    check.unused(&keys, values, with);
 }
 
 fn fixed_wing(check: &mut Check, fleet: &FleetModel) {

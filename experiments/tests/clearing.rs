@@ -1,0 +1,196 @@
+//! Road clearing from outside: one process and many, keys and mistakes.
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use common::{csat, read, scratch, text};
+use serde_json::Value;
+
+/// `clearing` in a small region with fewer UAVs.
+const SMALL: [&str; 4] =
+    ["map.size_m=[240, 240]", "map.road_spacing_m=75", "agents.count=5", "run.duration_s=60"];
+
+const LOSSY: [&str; 2] = [
+    "netem.hbsr.loss={model=\"iid\",p=0.6}",
+    "netem.hbsr.delay={model=\"uniform\",mean_s=1,spread_s=1}",
+];
+
+/// The summary of a small mission.
+fn flown(folder: &Path, command: &str, out: &str, sets: &[&str]) -> Value {
+    let sets = SMALL.iter().chain(sets).flat_map(|set| ["--set", set]);
+    let arguments: Vec<&str> =
+        [command, "clearing", "--json", "--out", out].into_iter().chain(sets).collect();
+    let output = csat(folder, &arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("a summary")
+}
+
+#[test]
+fn a_run_has_the_numbers_and_pictures_of_the_clearing() {
+    let base = scratch();
+    let summary = flown(base.path(), "run", "out", &["run.duration_s=400"]);
+    assert_eq!((&summary["mission"], &summary["agents"]), (&"clearing".into(), &5.into()));
+    assert_eq!((&summary["violations"], &summary["inconsistencies"]), (&0.into(), &0.into()));
+    for key in ["cleared_pct", "cleared_by_uav_pct", "path_m", "contaminated_pct"] {
+        assert!(summary[key].is_f64(), "{key}: {summary}");
+    }
+    for key in ["cleaners_max", "splits", "encounters", "merges"] {
+        assert!(summary[key].is_u64(), "{key}: {summary}");
+    }
+    assert!(summary["cleared_s"].is_f64(), "{summary}");
+    assert!(summary["cleared_pct"].as_f64() >= Some(99.5), "{summary}");
+    assert_eq!((&summary["stalled"], &summary["lost"]), (&false.into(), &false.into()));
+    assert!(summary["checked"]["cleared"]["checks"].as_u64() > Some(100_000), "{summary}");
+    assert!(summary.get("unexplored_pct").is_none(), "a number of another mission");
+    let map = read(&base.path().join("out/map.svg"));
+    assert!(map.contains("road that it has cleared so far"), "{map}");
+    assert!(read(&base.path().join("out/metrics.svg")).contains("Cleared share of the roads"));
+}
+
+#[test]
+fn processes_clear_the_same_roads() {
+    let crash = "netem.outage=[{agent=1,from_s=8,until_s=12,kind=\"crash\"}]";
+    let storm = [LOSSY[0], LOSSY[1], "netem.hbsr.range_m=90", crash];
+    let cases: [(&str, &[&str]); 2] = [("perfect", &[]), ("storm", &storm)];
+    for (name, sets) in cases {
+        let base = scratch();
+        let one = flown(base.path(), "run", "one", sets);
+        let many = flown(base.path(), "spawn", "many", sets);
+        for key in ["digest", "messages", "checked", "cleared_pct", "splits"] {
+            assert_eq!(one[key], many[key], "{name}: {key}");
+        }
+        let metrics = |run: &str| std::fs::read(base.path().join(run).join("metrics.csv")).unwrap();
+        assert!(metrics("one") == metrics("many"), "{name}");
+    }
+}
+
+/// A key, and the values of others with which it has an effect.
+const KEYS: [(&str, &[&str]); 34] = [
+    ("clearing.rules=\"paper\"", &[]),
+    ("clearing.give=\"paper\"", &[]),
+    ("clearing.coding=\"bitmap\"", &["netem.hbsr.rate={bytes_s=20000,burst_bytes=9000}"]),
+    ("clearing.margin_px=30", &[]),
+    ("clearing.guard_px=14", &[]),
+    ("clearing.step_m=0.1", &[]),
+    ("clearing.spacing_m=15", &[]),
+    ("clearing.patience_s=2", &["agents.count=1"]),
+    ("clearing.lost_after_s=5", &["netem.outage=[{agent=0,from_s=8,until_s=60,kind=\"crash\"}]"]),
+    ("clearing.beat_period_s=1", &[]),
+    ("clearing.safe_period_s=3", &[]),
+    ("clearing.call_period_s=2", &["netem.hbsr.range_m=60"]),
+    ("clearing.max_age_s=0.5", &LOSSY),
+    ("odometry.jitter_m=0", &[]),
+    ("odometry.drift_share=0", &[]),
+    ("segmentation.gap_px=0", &["segmentation.gap_share=0"]),
+    ("segmentation.gap_share=0.3", &[]),
+    ("segmentation.edge_share=0.5", &[]),
+    ("segmentation.speckle_share=0.01", &[]),
+    ("agents.multirotor.motion_error_m=0.05", &[]),
+    ("agents.speed_m_s=2", &[]),
+    ("agents.altitude_m=65", &[]),
+    ("agents.count=4", &[]),
+    ("camera.aperture_deg=75", &[]),
+    ("map.road_spacing_m=90", &[]),
+    ("map.desert.loop_share=0.9", &[]),
+    ("map.desert.dead_end_share=0.9", &[]),
+    ("map.kind=\"generated\"", &[]),
+    ("netem.hbsr.range_m=60", &[]),
+    ("netem.hbsr.offset_error_m=0", &[]),
+    ("netem.lblr.bearing_error_deg=60", &["netem.hbsr.range_m=60"]),
+    ("netem.lblr.range_m=400", &["clearing.allow_short_lblr=true", "netem.lblr.range_m=80"]),
+    (
+        "clearing.hbsr=\"near\"",
+        &["netem.near={range_m=70,offset_error_m=0.3}", "netem.hbsr.range_m=150"],
+    ),
+    ("clearing.lblr=\"far\"", &["netem.far={range_m=900,delay=3}"]),
+];
+
+#[test]
+fn every_key_has_an_effect() {
+    let base = scratch();
+    let mut idle: Vec<&str> = Vec::new();
+    let mut digests: BTreeMap<Vec<&str>, Value> = BTreeMap::new();
+    for (index, (set, others)) in KEYS.iter().enumerate() {
+        let without = digests.entry(others.to_vec()).or_insert_with(|| {
+            flown(base.path(), "run", &format!("{index}-without"), others)["digest"].clone()
+        });
+        let all = [others, &[*set][..]].concat();
+        let with = flown(base.path(), "run", &format!("{index}-with"), &all);
+        idle.extend((*without == with["digest"]).then_some(*set));
+    }
+    assert!(idle.is_empty(), "these change nothing: {idle:?}");
+}
+
+#[test]
+fn all_mistakes_are_told_with_their_places() {
+    let base = scratch();
+    let scenario = r#"mission = "clearing"
+[map]
+kind = "open"
+[targets]
+count = 3
+[agents]
+count = 0
+vehicle = "quadcopter"
+altitude_m = 70
+altitude_step_m = 2
+[camera]
+columns = 256
+rows = 256
+tilt_deg = 45
+[clearing]
+margin_px = 200
+hbsr = "near"
+[netem.hbsr]
+range_m = 100
+[netem.lblr]
+range_m = 100
+[exchange]
+mode = "none"
+"#;
+    std::fs::write(base.path().join("bad.toml"), scenario).unwrap();
+    let output = csat(base.path(), &["run", "bad.toml"]);
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    for (line, what) in [
+        (3, "`map.kind` cannot be `open`"),
+        (5, "`targets.count` cannot be 3"),
+        (7, "`agents.count` cannot be 0"),
+        (8, "`agents.vehicle` cannot be `quadcopter`"),
+        (10, "`agents.altitude_step_m`"),
+        (14, "tilt_deg = 90"),
+        (17, "the name of a radio"),
+        (20, "reaches 100 m"),
+        (22, "`exchange` belongs to the mission `set-membership`"),
+    ] {
+        assert!(told.contains(what), "{what} in {told}");
+        assert!(told.contains(&format!("--> bad.toml:{line}:")), "line {line} in {told}");
+    }
+}
+
+#[test]
+fn what_the_method_assumes_is_demanded() {
+    let base = scratch();
+    let refused = |sets: &[&str], what: &str| {
+        let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
+        let output = csat(base.path(), &[&["check", "clearing"], &sets[..]].concat());
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{sets:?}: {told}");
+        assert!(told.contains(what), "{what} in {told}");
+    };
+    refused(&["map.start_line=[0, 0]"], "expected a point on a road at the region's border");
+    refused(&["camera.columns=128", "camera.rows=128"], "condition (1)");
+    refused(&["clearing.margin_px=128"], "`clearing.margin_px`");
+    refused(&["netem.lblr.range_m=300"], "across the region");
+    refused(&["clearing.guard_px=1"], "`clearing.guard_px`");
+    refused(&["odometry.jitter_m=-1"], "`odometry.jitter_m`");
+    refused(&["agents.speed_m_s=0.5"], "1.414 m/s");
+    let roads = r#"{"type":"FeatureCollection","features":[]}"#;
+    std::fs::write(base.path().join("none.geojson"), roads).unwrap();
+    refused(
+        &["map.kind=\"geojson\"", "map.file=\"none.geojson\"", "map.road_spacing_m=95"],
+        "map without roads",
+    );
+}
