@@ -1,11 +1,15 @@
-//! Flies missions of the test simulator and prints how they end: `clearing_lab NAME SEED [UAVS] [every seconds]`.
+//! Flies missions of the test simulator and prints how they end.
+//!
+//! - `clearing_lab TOWN [SEED] [UAVS] [SECONDS]`: one mission, and where the agents are every so many seconds.
+//! - `clearing_lab survey [MISSIONS] [UAVS] [LINKS]`: so many deserts, with `good` or `bad` links.
 
 #[path = "../tests/sim/mod.rs"]
 #[allow(dead_code)]
 mod sim;
 
+use sim::links::LinkModel;
 use sim::town::Town;
-use sim::{Flight, Setup};
+use sim::{Flight, Outcome, Setup, fly};
 
 fn town(name: &str, seed: u64) -> Option<Town> {
     Some(match name {
@@ -26,6 +30,10 @@ fn main() {
         words.get(index).and_then(|word| word.parse().ok()).unwrap_or(otherwise)
     };
     let name = words.first().map_or("desert", String::as_str);
+    if name == "survey" {
+        let is_bad = words.get(3).is_some_and(|word| word == "bad");
+        return survey(number(1, 20.0) as u64, number(2, 8.0) as u16, is_bad);
+    }
     let seed = number(1, 0.0) as u64;
     let Some(town) = town(name, seed) else { return eprintln!("no town {name}") };
     let setup = Setup { uavs: number(2, 8.0) as u16, ..Setup::new(town, seed) };
@@ -38,6 +46,38 @@ fn main() {
     }
     tell(&flight);
     println!("{:#?}", flight.finish());
+}
+
+/// Flies deserts, two at a time.
+fn survey(missions: u64, uavs: u16, is_bad: bool) {
+    let bad = LinkModel { loss: 0.6, max_delay_s: 2.0, duplication: 0.2, hbsr_range_m: 60.0 };
+    let links = if is_bad { bad } else { LinkModel::default() };
+    let fly = |seed| fly(&Setup { uavs, links, ..Setup::new(Town::desert(seed, 110.0), seed) });
+    let half = |first: u64| (first..missions).step_by(2).map(move |seed| (seed, fly(seed)));
+    let mut all: Vec<(u64, Outcome)> = std::thread::scope(|scope| {
+        let other = scope.spawn(|| half(1).collect::<Vec<_>>());
+        let own: Vec<_> = half(0).collect();
+        own.into_iter().chain(other.join().unwrap()).collect()
+    });
+    all.sort_by_key(|(seed, _)| *seed);
+    for (seed, outcome) in &all {
+        let Outcome { cleared_s, violations, cleaners_max, splits, encounters, .. } = outcome;
+        println!(
+            "{seed:3} {:5.1} % cleared {cleared_s:?} end {:6.1} s stalled {} lost {} violations {violations} {:?} \
+             cleaners {cleaners_max} splits {splits} encounters {encounters} merges {} rejected {}",
+            100.0 * outcome.cleared_share,
+            outcome.end_s,
+            outcome.is_stalled,
+            outcome.has_lost,
+            outcome.first_violation,
+            outcome.merges,
+            outcome.rejected,
+        );
+    }
+    let cleared: Vec<f64> = all.iter().filter_map(|(_, outcome)| outcome.cleared_s).collect();
+    let mean = cleared.iter().sum::<f64>() / cleared.len() as f64;
+    let violations: u32 = all.iter().map(|(_, outcome)| outcome.violations).sum();
+    println!("{} of {missions} cleared, in {mean:.0} s; {violations} violations", cleared.len());
 }
 
 fn tell(flight: &Flight) {
