@@ -83,18 +83,6 @@ impl Claims {
         *self = Self::new(&self.roads);
     }
 
-    /// The area of the cells of `part` that each UAV claimed first, m², by UAV.
-    pub fn area_m2_in(&self, part: &RoadArea, uavs: usize) -> Vec<f64> {
-        let mut areas = vec![0.0; uavs];
-        let cell_m2 = part.cell_m() * part.cell_m();
-        for cell in part.cells() {
-            if let Some(agent) = self.claimant(cell) {
-                areas[usize::from(agent.0)] += cell_m2;
-            }
-        }
-        areas
-    }
-
     /// Rows of cells whose middles may lie in a square.
     fn rows_of(&self, square: &Square) -> std::ops::Range<usize> {
         self.range(1, square, self.roads.rows())

@@ -15,14 +15,22 @@ use super::report::Report;
 /// Half the width of the mark of a UAV that is no cleaner, metres.
 const MARK_M: f64 = 7.0;
 
-const fn cells(key: &'static str, title: &'static str, colour: &'static str, fill: Fill) -> Style {
+const fn style(
+    [key, title, colour]: [&'static str; 3],
+    kind: Form,
+    fill: Fill,
+    line_px: Option<f64>,
+) -> Style {
     Style {
         key: Cow::Borrowed(key),
         title: Cow::Borrowed(title),
-        kind: Form::Cells,
+        kind,
         colour: Colour::fixed(colour),
         fill,
-        line: None,
+        line: match line_px {
+            Some(width_px) => Some(Line::fixed(colour, width_px)),
+            None => None,
+        },
         label: None,
         mark: None,
         unit: None,
@@ -32,27 +40,26 @@ const fn cells(key: &'static str, title: &'static str, colour: &'static str, fil
     }
 }
 
-const fn role(key: &'static str, title: &'static str, colour: &'static str, opacity: f64) -> Style {
-    Style {
-        kind: Form::Areas,
-        line: Some(Line::fixed(colour, 1.6)),
-        fill: Fill::Plain { opacity },
-        ..cells(key, title, colour, Fill::None)
-    }
+const fn cells(names: [&'static str; 3], fill: Fill) -> Style {
+    style(names, Form::Cells, fill, None)
+}
+
+const fn role(names: [&'static str; 3], opacity: f64) -> Style {
+    style(names, Form::Areas, Fill::Plain { opacity }, Some(1.6))
 }
 
 const PLAIN: Fill = Fill::Plain { opacity: 0.85 };
 
 /// The layers, from the bottom up.
 pub const LAYERS: &[Style] = &[
-    cells("cleared", "road that it has cleared so far", "#1b7837", PLAIN),
-    cells("foreign", "road that others have cleared", "#a6dba0", PLAIN),
-    cells("unknown", "road that is not known to be cleared", "#b2182b", PLAIN),
-    cells("frontier", "its frontier", "#ffd92f", Fill::Plain { opacity: 1.0 }),
-    role("cleaner", "image of a cleaner", "#d7191c", 0.06),
-    role("wing", "wing (diamond)", "#f28e2b", 0.5),
-    role("tail", "tail (triangle)", "#2ca25f", 0.5),
-    role("helper", "helper (octagon)", "#2b6cb0", 0.5),
+    cells(["cleared", "road that it has cleared so far", "#1b7837"], PLAIN),
+    cells(["foreign", "road that others have cleared", "#a6dba0"], PLAIN),
+    cells(["unknown", "road that is not known to be cleared", "#b2182b"], PLAIN),
+    cells(["frontier", "its frontier", "#ffd92f"], Fill::Plain { opacity: 1.0 }),
+    role(["cleaner", "image of a cleaner", "#d7191c"], 0.06),
+    role(["wing", "wing (diamond)", "#f28e2b"], 0.5),
+    role(["tail", "tail (triangle)", "#2ca25f"], 0.5),
+    role(["helper", "helper (octagon)", "#2b6cb0"], 0.5),
 ];
 
 /// What there is to draw of a report: `foreign`, `unknown` and `frontier` only where it has its maps.

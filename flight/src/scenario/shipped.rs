@@ -20,7 +20,7 @@ impl Shipped {
 }
 
 /// Every shipped scenario; the first is the default.
-pub const SCENARIOS: [Shipped; 8] = [
+pub const SCENARIOS: [Shipped; 9] = [
     Shipped { name: "city", text: include_str!("../../../experiments/scenarios/city.toml") },
     Shipped {
         name: "city-range100",

@@ -75,7 +75,6 @@ pub fn make(
 
 fn row(error: WorldError) -> Option<TrackError> {
     match error {
-        WorldError::StartLine(error) => ("map.start_line", Mistake::new(error.to_string())),
         WorldError::Track(error) => Some(error),
         _ => None,
     }
@@ -101,6 +100,7 @@ fn explain(error: WorldError, text: Option<&MapText>) -> (String, Mistake) {
         WorldError::Map(error) => ("map.file", Mistake::new(format!("{name}: {error}"))),
         WorldError::OffRoad(error) => ("targets.count", Mistake::new(error.to_string())),
         WorldError::Placement(error) => ("targets.count", Mistake::new(error.to_string())),
+        WorldError::StartLine(error) => ("map.start_line", Mistake::new(error.to_string())),
         WorldError::Track(error) => ("targets.tracks", Mistake::new(error.to_string())),
     };
     (key.to_owned(), mistake)
