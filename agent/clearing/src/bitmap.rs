@@ -121,9 +121,9 @@ impl Bitmap {
     pub fn pixels(&self) -> impl Iterator<Item = [u16; 2]> {
         (0..self.rows).flat_map(move |row| {
             let words = self.row(row).iter().enumerate();
-            words.flat_map(move |(index, word)| ones(*word).map(move |bit| (index, bit))).map(
-                move |(index, bit)| [row, u16::try_from(index * 64 + bit).unwrap_or(u16::MAX)],
-            )
+            words
+                .flat_map(move |(index, word)| ones(*word).map(move |bit| (index, bit)))
+                .map(move |(index, bit)| [row, u16::try_from(index * 64 + bit).unwrap_or(u16::MAX)])
         })
     }
 

@@ -203,7 +203,12 @@ pub fn mistakes(config: &AgentConfig) -> Vec<Mistake> {
     demand(pixel_m <= cell_m, "camera.columns", format!("pixels of {pixel_m} m"), at_most);
     let radii = config.radii();
     let least = radii.least_guard();
-    demand(guard_px >= least, "clearing.guard_px", guard_px.to_string(), format!("at least {least}"));
+    demand(
+        guard_px >= least,
+        "clearing.guard_px",
+        guard_px.to_string(),
+        format!("at least {least}"),
+    );
     let least = guard_px.saturating_add(radii.motion + 2);
     let most = columns / 4;
     demand(

@@ -103,7 +103,12 @@ impl Fleet {
         if got.incarnation > peer.incarnation {
             // What it guarded it has forgotten.
             self.has_lost |= peer.guards();
-            *peer = Peer { incarnation: got.incarnation, formation: None, step: got.step, ..peer.clone() };
+            *peer = Peer {
+                incarnation: got.incarnation,
+                formation: None,
+                step: got.step,
+                ..peer.clone()
+            };
         }
         peer.heard = now;
         let is_newest = got.step >= peer.step;

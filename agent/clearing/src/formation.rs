@@ -88,7 +88,8 @@ pub fn odd_tails(formation: &Formation) -> impl Iterator<Item = AgentId> {
 /// its image; tails behind it. `side_m` is the side of an image.
 pub fn station_m(place: Place, heading: Direction, side_m: f64, spacing_m: f64) -> [f64; 2] {
     let length = f64::from(heading[0]).hypot(f64::from(heading[1]));
-    let ahead = if length > 0.0 { heading.map(|axis| f64::from(axis) / length) } else { [0.0, 1.0] };
+    let ahead =
+        if length > 0.0 { heading.map(|axis| f64::from(axis) / length) } else { [0.0, 1.0] };
     let (behind_m, left_m) = match place {
         Place::Wing(0) => (0.0, side_m / 4.0),
         Place::Wing(_) => (0.0, -side_m / 4.0),

@@ -51,7 +51,8 @@ impl Sight {
     /// That of an agent.
     pub fn new(config: &AgentConfig) -> Self {
         let (size, radii) = (config.camera.columns, config.radii());
-        let margin = if is_on(Mutant::NoMargin) { radii.blind() } else { config.clearing.margin_px };
+        let margin =
+            if is_on(Mutant::NoMargin) { radii.blind() } else { config.clearing.margin_px };
         let inside = |margin| Bitmap::inside(size, size, margin);
         Self {
             size,
@@ -190,7 +191,8 @@ impl Masks {
     /// border then. What else borders on unknown road is forgotten.
     fn grow_in_stripe(&mut self, sight: &Sight) {
         let stripe_px = sight.margin + 2 * REACH + 2;
-        let stripe = sight.grown.clone().and_not(&Bitmap::inside(sight.size, sight.size, stripe_px));
+        let stripe =
+            sight.grown.clone().and_not(&Bitmap::inside(sight.size, sight.size, stripe_px));
         let outside = self.frontier.clone().and_not(&sight.grown);
         let allowed = self.road.clone().and(&stripe).and_not(&self.foreign).or(&outside);
         let spread = Bitmap::flood(&self.frontier.dilated(REACH), &allowed);

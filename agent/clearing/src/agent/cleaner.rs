@@ -11,7 +11,7 @@ use crate::bitmap::{Bitmap, Rect};
 use crate::config::Rules;
 use crate::exchange::message::{Duty, Request};
 use crate::exchange::validate::Received;
-use crate::formation::{Roster, odd_tails};
+use crate::formation::{Place, Roster, odd_tails};
 use crate::frontier::{Run, runs};
 use crate::giving::decide;
 use crate::masks::Masks;
@@ -78,17 +78,17 @@ impl Cleaner {
 }
 
 impl ClearingAgent {
-    /// Takes a frame in: a cleaner's masks advance, and whoever may become a cleaner looks where the road is.
+    /// Takes a frame in: the masks of a cleaner and of a wing advance.
     pub(super) fn look(&mut self, frame: &Frame) {
         let moved = self.registration.place(&self.pose, self.commanded_m);
         self.commanded_m = [0.0; 2];
         self.claims = self.nothing.clone();
-        self.seen = None;
         let is_first = self.config.id == AgentId(0)
             && self.config.incarnation == Incarnation(0)
             && self.counters.calls == 0
             && matches!(self.state, State::Helper { .. });
-        if !is_first && !self.is_cleaner() && self.request().is_none() {
+        if !is_first && !self.is_cleaner() && !self.is_scout() {
+            self.scout = None;
             return;
         }
         let seen = self.sight.road(&frame.labels);
@@ -97,9 +97,18 @@ impl ClearingAgent {
             cleaner.masks.grow(&self.sight);
         } else if is_first {
             self.start(seen);
+        } else if let Some(scout) = &mut self.scout {
+            scout.advance(&self.sight, moved, &seen);
         } else {
-            self.seen = Some(seen);
+            self.registration.restart();
+            self.scout = Some(Masks::new(&self.sight, seen));
         }
+    }
+
+    /// Whether it may soon be asked to take a frontier over. Then it has to know what is cleared around it, or it
+    /// would guard that against what is cleared as well.
+    fn is_scout(&self) -> bool {
+        matches!(self.state, State::Follower { place: Some(Place::Wing(_)), .. })
     }
 
     /// (8): what is connected with the start line is cleared.
@@ -133,7 +142,12 @@ impl ClearingAgent {
 
     /// A cleaner learns what another one knows to be cleared.
     pub(super) fn learn(&mut self, got: &Received) {
-        let (State::Cleaner(cleaner), Some(offset_m)) = (&mut self.state, got.offset_m) else {
+        let Some(offset_m) = got.offset_m else { return };
+        let State::Cleaner(cleaner) = &mut self.state else {
+            let by = self.registration.placement(offset_m);
+            if let (Some(scout), Some(safe)) = (&mut self.scout, &got.safe) {
+                scout.learn(&safe.shifted(by));
+            }
             return;
         };
         let mut placed_m = offset_m;
@@ -141,8 +155,7 @@ impl ClearingAgent {
             placed_m = cleaner.stale_m.insert(got.from, offset_m).unwrap_or(offset_m);
         }
         let by = self.registration.placement(placed_m);
-        let is_by_overlap =
-            self.sight.rules == Rules::Paper || is_on(Mutant::DeletedUnseen);
+        let is_by_overlap = self.sight.rules == Rules::Paper || is_on(Mutant::DeletedUnseen);
         let given_up = if is_by_overlap {
             let image = Bitmap::inside(self.sight.size, self.sight.size, self.sight.margin);
             cleaner.masks.learn(&image.shifted(by))
@@ -166,21 +179,19 @@ impl ClearingAgent {
 
     /// A follower takes over what its leader asks it to, if that is well inside its own image.
     pub(super) fn consider_requests(&mut self, got: &Received) {
-        let (Some((leader, request)), Some(seen)) = (self.request(), &self.seen) else { return };
-        let (Some(safe), Some(offset_m)) = (&got.safe, got.offset_m) else { return };
+        let (Some((leader, request)), Some(scout)) = (self.request(), &self.scout) else { return };
+        let Some(offset_m) = got.offset_m.filter(|_| got.safe.is_some()) else { return };
         if leader != got.from {
             return;
         }
         let by = self.registration.placement(offset_m);
         let Some(rect) = self.taken(&request.rect(), by) else { return };
-        let mut masks = Masks::new(&self.sight, seen.clone());
-        masks.learn(&safe.shifted(by));
-        let seeds = masks.seeds(&self.sight, &rect);
+        let seeds = scout.seeds(&self.sight, &rect);
         if seeds.is_empty() {
             return;
         }
+        let Some(mut masks) = self.scout.take() else { return };
         masks.begin(&self.sight, &seeds);
-        self.registration.restart();
         let formation = got.message.formation.as_ref();
         let tails = formation.into_iter().flat_map(odd_tails).filter(|id| *id != self.config.id);
         let roster = Roster::of(tails);
@@ -246,7 +257,8 @@ impl ClearingAgent {
         let range = self.range_steps();
         let is_new = self.step.0 - cleaner.since.0 <= range;
         for (id, peer) in self.fleet.iter() {
-            let follows = peer.beat.duty == Duty::Follower && peer.beat.leader == Some(self.config.id);
+            let follows =
+                peer.beat.duty == Duty::Follower && peer.beat.leader == Some(self.config.id);
             if follows && peer.is_near(self.step, range) {
                 cleaner.roster.add(id);
             }
@@ -257,7 +269,8 @@ impl ClearingAgent {
                 // Those that it took along may not know it yet.
                 Some(peer) if is_new => {
                     peer.beat.duty == Duty::Follower
-                        && (peer.beat.leader == cleaner.parent || peer.beat.leader == Some(self.config.id))
+                        && (peer.beat.leader == cleaner.parent
+                            || peer.beat.leader == Some(self.config.id))
                 }
                 Some(peer) => {
                     follows(peer.beat.duty, peer.beat.leader) && peer.is_near(self.step, range)
@@ -302,9 +315,8 @@ impl ClearingAgent {
         let back = [0, 1].map(|axis| (cleaner.anchor_m[axis] - place_m[axis]) / step_m);
         let direction = self.mover.hold(&cleaner.runs, back);
         let Some(away) = direction.away else { return direction.way };
-        cleaner.anchor_m = [0, 1].map(|axis| {
-            if away[axis] == 0 { cleaner.anchor_m[axis] } else { place_m[axis] }
-        });
+        cleaner.anchor_m =
+            [0, 1].map(|axis| if away[axis] == 0 { cleaner.anchor_m[axis] } else { place_m[axis] });
         direction.way
     }
 

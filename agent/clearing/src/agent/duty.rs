@@ -104,9 +104,8 @@ impl ClearingAgent {
         }
         let peer = self.fleet.get(leader);
         let is_new = self.step.0.saturating_sub(since.0) <= range;
-        let is_there = peer.is_some_and(|peer| {
-            peer.beat.duty == Duty::Cleaner && peer.is_near(self.step, range)
-        });
+        let is_there = peer
+            .is_some_and(|peer| peer.beat.duty == Duty::Cleaner && peer.is_near(self.step, range));
         let has_left = peer.is_some_and(|peer| peer.beat.duty != Duty::Cleaner);
         if has_left || !is_there && !is_new {
             return self.enter(State::Helper { target: None });
@@ -135,9 +134,8 @@ impl ClearingAgent {
         let State::Helper { target } = self.state else { return };
         let chosen = self.choose(target);
         let range = self.range_steps();
-        let is_reached = |id: &AgentId| {
-            self.fleet.get(*id).is_some_and(|peer| peer.is_near(self.step, range))
-        };
+        let is_reached =
+            |id: &AgentId| self.fleet.get(*id).is_some_and(|peer| peer.is_near(self.step, range));
         if let Some(leader) = chosen.filter(is_reached) {
             self.counters.merges += 1;
             let since = self.step;
@@ -163,7 +161,12 @@ impl ClearingAgent {
         });
         let rank = |(id, peer): &(AgentId, &Peer)| {
             let helped = usize::from(peer.beat.followers) + coming(*id);
-            (!peer.beat.is_waiting || helped > 0 && before != Some(*id), helped, before != Some(*id), *id)
+            (
+                !peer.beat.is_waiting || helped > 0 && before != Some(*id),
+                helped,
+                before != Some(*id),
+                *id,
+            )
         };
         candidates.min_by_key(rank).map(|(id, _)| id)
     }

@@ -24,9 +24,8 @@ impl Naive {
     }
 
     fn around(&self, row: i32, column: i32, radius: i32) -> impl Iterator<Item = bool> {
-        (row - radius..=row + radius).flat_map(move |r| {
-            (column - radius..=column + radius).map(move |c| self.at(r, c))
-        })
+        (row - radius..=row + radius)
+            .flat_map(move |r| (column - radius..=column + radius).map(move |c| self.at(r, c)))
     }
 
     fn bitmap(&self) -> Bitmap {

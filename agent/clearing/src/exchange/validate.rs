@@ -198,7 +198,8 @@ fn check_parts(
     let Message { beat, formation, safe } = message;
     let has_parts = formation.is_some() || safe.is_some();
     let is_uav = from.0 < config.fleet.count;
-    let is_leader_uav = beat.leader.is_none_or(|leader| leader.0 < config.fleet.count && leader != from);
+    let is_leader_uav =
+        beat.leader.is_none_or(|leader| leader.0 < config.fleet.count && leader != from);
     let can = is_uav
         && is_leader_uav
         && (!has_parts || is_near && beat.duty == Duty::Cleaner)
@@ -222,7 +223,7 @@ fn check_formation(
     let is_uav = |id: &AgentId| id.0 < config.fleet.count;
     let is_valid = members.windows(2).all(|pair| pair[0] != pair[1])
         && members.iter().chain(parent).all(is_uav)
-        && heading.iter().all(|axis| axis.abs() <= 1)
+        && heading.iter().all(|axis| (-1..=1).contains(axis))
         && requests.iter().all(|request| members.contains(&request.to) && request.to != from);
     if !is_valid {
         return Err(Rejection::Formation);
@@ -244,4 +245,4 @@ fn check_offset(got: Option<[f64; 2]>) -> Result<[f64; 2], Rejection> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -102,8 +102,8 @@ impl Links {
             return None;
         }
         let [east, north] = [0, 1].map(|axis| place_m[axis] - self.places[to][axis]);
-        let offset_m =
-            is_near.then(|| [east, north].map(|m| m + error(&mut self.random, self.offset_error_m)));
+        let offset_m = is_near
+            .then(|| [east, north].map(|m| m + error(&mut self.random, self.offset_error_m)));
         // The nose points north.
         let bearing = north.atan2(east) - std::f64::consts::FRAC_PI_2;
         let bearing_rad = bearing + error(&mut self.random, 5_f64.to_radians());

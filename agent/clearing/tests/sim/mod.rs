@@ -200,7 +200,10 @@ impl Flight {
 
     /// The cleaners.
     pub fn cleaners(&self) -> Vec<usize> {
-        self.alive().into_iter().filter(|index| self.agents[*index].role() == Role::Cleaner).collect()
+        self.alive()
+            .into_iter()
+            .filter(|index| self.agents[*index].role() == Role::Cleaner)
+            .collect()
     }
 
     fn judge(&mut self) {
@@ -238,7 +241,9 @@ impl Flight {
     fn is_over(&self) -> bool {
         let time_s = self.time_s();
         let is_done = self.outcome.cleared_s.is_some() && self.cleaners().is_empty();
-        is_done || time_s > self.setup.max_s || self.idle_since.is_some_and(|idle| time_s > idle + 60.0)
+        is_done
+            || time_s > self.setup.max_s
+            || self.idle_since.is_some_and(|idle| time_s > idle + 60.0)
     }
 
     pub fn finish(mut self) -> Outcome {

@@ -42,8 +42,7 @@ impl Town {
 
     /// Two parallel roads, and streets from one to the other.
     pub fn ladder(apart_m: f64, streets: &[f64]) -> Self {
-        let mut roads =
-            vec![[[-250.0, 0.0], [200.0, 0.0]], [[-200.0, apart_m], [200.0, apart_m]]];
+        let mut roads = vec![[[-250.0, 0.0], [200.0, 0.0]], [[-200.0, apart_m], [200.0, apart_m]]];
         roads.extend(streets.iter().map(|x| [[*x, 0.0], [*x, apart_m]]));
         Self::new(250.0, &roads)
     }
