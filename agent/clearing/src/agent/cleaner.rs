@@ -20,6 +20,8 @@ use crate::mutant::{Mutant, is_on};
 
 /// Cleaners that did not help each other for this time meet anew, seconds.
 const MEETING_S: f64 = 10.0;
+/// A cleaner without frontier stays where it is for this time, and says what is cleared there, seconds.
+pub const LINGER_S: f64 = 2.0;
 /// Room around a frontier that is taken over, beyond the errors of placing it, pixels.
 const TAKEN_PX: u16 = 4;
 
@@ -48,8 +50,8 @@ pub struct Cleaner {
     anchor_m: [f64; 2],
     /// Whether it cannot move on, and nobody comes.
     pub is_stalled: bool,
-    /// Whether its frontier is empty. Its image still counts in that step.
-    is_done: bool,
+    /// Since when its frontier is empty.
+    done_since: Option<Step>,
     /// When the last help of another cleaner came, by cleaner.
     met: std::collections::BTreeMap<AgentId, Step>,
     /// The last offset of each other cleaner, for [`Mutant::StaleOffset`].
@@ -57,6 +59,12 @@ pub struct Cleaner {
 }
 
 impl Cleaner {
+    /// Whether others wait for its mask: because it just became a cleaner, or asks them, or will soon be none.
+    pub fn is_awaited(&self, now: Step, linger: u32) -> bool {
+        let is_new = now.0.saturating_sub(self.since.0) <= linger;
+        is_new || self.done_since.is_some() || !self.requests.is_empty()
+    }
+
     fn new(masks: Masks, parent: Option<AgentId>, since: Step, roster: Roster) -> Self {
         Self {
             masks,
@@ -70,7 +78,7 @@ impl Cleaner {
             waits_since: None,
             anchor_m: [0.0; 2],
             is_stalled: false,
-            is_done: false,
+            done_since: None,
             met: Default::default(),
             stale_m: Default::default(),
         }
@@ -240,14 +248,18 @@ impl ClearingAgent {
         if !self.has_lost() {
             self.claims = cleaner.masks.claims(&self.sight);
         }
-        let was_done = std::mem::replace(&mut cleaner.is_done, cleaner.runs.is_empty());
-        let is_done = cleaner.is_done;
         self.update_roster(&mut cleaner);
-        if !is_done {
+        if cleaner.runs.is_empty() {
+            cleaner.done_since.get_or_insert(self.step);
+            cleaner.requests.clear();
+        } else {
+            cleaner.done_since = None;
             self.plan(&mut cleaner);
         }
+        let linger = self.config.steps(LINGER_S);
+        let is_over = cleaner.done_since.is_some_and(|since| self.step.0 - since.0 >= linger);
         self.state = State::Cleaner(cleaner);
-        if is_done && was_done {
+        if is_over {
             self.enter(State::Helper { target: None });
         }
     }
