@@ -53,31 +53,36 @@ fn survey(missions: u64, uavs: u16, is_bad: bool) {
     let bad = LinkModel { loss: 0.6, max_delay_s: 2.0, duplication: 0.2, hbsr_range_m: 60.0 };
     let links = if is_bad { bad } else { LinkModel::default() };
     let fly = |seed| fly(&Setup { uavs, links, ..Setup::new(Town::desert(seed, 110.0), seed) });
-    let half = |first: u64| (first..missions).step_by(2).map(move |seed| (seed, fly(seed)));
-    let mut all: Vec<(u64, Outcome)> = std::thread::scope(|scope| {
+    let flown = |seed| {
+        let outcome = fly(seed);
+        tell_outcome(seed, &outcome);
+        (seed, outcome)
+    };
+    let half = |first: u64| (first..missions).step_by(2).map(flown);
+    let all: Vec<(u64, Outcome)> = std::thread::scope(|scope| {
         let other = scope.spawn(|| half(1).collect::<Vec<_>>());
         let own: Vec<_> = half(0).collect();
         own.into_iter().chain(other.join().unwrap()).collect()
     });
-    all.sort_by_key(|(seed, _)| *seed);
-    for (seed, outcome) in &all {
-        let Outcome { cleared_s, violations, cleaners_max, splits, encounters, .. } = outcome;
-        println!(
-            "{seed:3} {:5.1} % cleared {cleared_s:?} end {:6.1} s stalled {} lost {} violations {violations} {:?} \
-             cleaners {cleaners_max} splits {splits} encounters {encounters} merges {} rejected {}",
-            100.0 * outcome.cleared_share,
-            outcome.end_s,
-            outcome.is_stalled,
-            outcome.has_lost,
-            outcome.first_violation,
-            outcome.merges,
-            outcome.rejected,
-        );
-    }
     let cleared: Vec<f64> = all.iter().filter_map(|(_, outcome)| outcome.cleared_s).collect();
     let mean = cleared.iter().sum::<f64>() / cleared.len() as f64;
     let violations: u32 = all.iter().map(|(_, outcome)| outcome.violations).sum();
     println!("{} of {missions} cleared, in {mean:.0} s; {violations} violations", cleared.len());
+}
+
+fn tell_outcome(seed: u64, outcome: &Outcome) {
+    let Outcome { cleared_s, violations, cleaners_max, splits, encounters, .. } = outcome;
+    println!(
+        "{seed:3} {:5.1} % cleared {cleared_s:?} end {:6.1} s stalled {} lost {} violations {violations} {:?} \
+         cleaners {cleaners_max} splits {splits} encounters {encounters} merges {} rejected {}",
+        100.0 * outcome.cleared_share,
+        outcome.end_s,
+        outcome.is_stalled,
+        outcome.has_lost,
+        outcome.first_violation,
+        outcome.merges,
+        outcome.rejected,
+    );
 }
 
 fn tell(flight: &Flight) {

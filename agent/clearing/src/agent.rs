@@ -56,8 +56,8 @@ pub struct ClearingAgent {
     is_pending: bool,
     /// The last command, metres.
     commanded_m: [f64; 2],
-    /// All that can be road in the last image; `None` where the agent does not need to know.
-    seen: Option<Bitmap>,
+    /// What a wing knows of the road in its image, for the time when it becomes a cleaner.
+    scout: Option<Masks>,
     claims: Bitmap,
     nothing: Bitmap,
     counters: Counters,
@@ -86,7 +86,7 @@ impl ClearingAgent {
             has_begun: false,
             is_pending: false,
             commanded_m: [0.0; 2],
-            seen: None,
+            scout: None,
             claims: nothing.clone(),
             nothing,
             counters: Counters::default(),

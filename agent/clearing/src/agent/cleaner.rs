@@ -11,7 +11,7 @@ use crate::bitmap::{Bitmap, Rect};
 use crate::config::Rules;
 use crate::exchange::message::{Duty, Request};
 use crate::exchange::validate::Received;
-use crate::formation::{Roster, odd_tails};
+use crate::formation::{Place, Roster, odd_tails};
 use crate::frontier::{Run, runs};
 use crate::giving::decide;
 use crate::masks::Masks;
@@ -20,6 +20,8 @@ use crate::mutant::{Mutant, is_on};
 
 /// Cleaners that did not help each other for this time meet anew, seconds.
 const MEETING_S: f64 = 10.0;
+/// A cleaner without frontier stays where it is for this time, and says what is cleared there, seconds.
+pub const LINGER_S: f64 = 2.0;
 /// Room around a frontier that is taken over, beyond the errors of placing it, pixels.
 const TAKEN_PX: u16 = 4;
 
@@ -48,8 +50,8 @@ pub struct Cleaner {
     anchor_m: [f64; 2],
     /// Whether it cannot move on, and nobody comes.
     pub is_stalled: bool,
-    /// Whether its frontier is empty. Its image still counts in that step.
-    is_done: bool,
+    /// Since when its frontier is empty.
+    done_since: Option<Step>,
     /// When the last help of another cleaner came, by cleaner.
     met: std::collections::BTreeMap<AgentId, Step>,
     /// The last offset of each other cleaner, for [`Mutant::StaleOffset`].
@@ -57,6 +59,12 @@ pub struct Cleaner {
 }
 
 impl Cleaner {
+    /// Whether others wait for its mask: because it just became a cleaner, or asks them, or will soon be none.
+    pub fn is_awaited(&self, now: Step, linger: u32) -> bool {
+        let is_new = now.0.saturating_sub(self.since.0) <= linger;
+        is_new || self.done_since.is_some() || !self.requests.is_empty()
+    }
+
     fn new(masks: Masks, parent: Option<AgentId>, since: Step, roster: Roster) -> Self {
         Self {
             masks,
@@ -70,7 +78,7 @@ impl Cleaner {
             waits_since: None,
             anchor_m: [0.0; 2],
             is_stalled: false,
-            is_done: false,
+            done_since: None,
             met: Default::default(),
             stale_m: Default::default(),
         }
@@ -78,17 +86,17 @@ impl Cleaner {
 }
 
 impl ClearingAgent {
-    /// Takes a frame in: a cleaner's masks advance, and whoever may become a cleaner looks where the road is.
+    /// Takes a frame in: the masks of a cleaner and of a wing advance.
     pub(super) fn look(&mut self, frame: &Frame) {
         let moved = self.registration.place(&self.pose, self.commanded_m);
         self.commanded_m = [0.0; 2];
         self.claims = self.nothing.clone();
-        self.seen = None;
         let is_first = self.config.id == AgentId(0)
             && self.config.incarnation == Incarnation(0)
             && self.counters.calls == 0
             && matches!(self.state, State::Helper { .. });
-        if !is_first && !self.is_cleaner() && self.request().is_none() {
+        if !is_first && !self.is_cleaner() && !self.is_scout() {
+            self.scout = None;
             return;
         }
         let seen = self.sight.road(&frame.labels);
@@ -97,9 +105,18 @@ impl ClearingAgent {
             cleaner.masks.grow(&self.sight);
         } else if is_first {
             self.start(seen);
+        } else if let Some(scout) = &mut self.scout {
+            scout.advance(&self.sight, moved, &seen);
         } else {
-            self.seen = Some(seen);
+            self.registration.restart();
+            self.scout = Some(Masks::new(&self.sight, seen));
         }
+    }
+
+    /// Whether it may soon be asked to take a frontier over. Then it has to know what is cleared around it, or it
+    /// would guard that against what is cleared as well.
+    fn is_scout(&self) -> bool {
+        matches!(self.state, State::Follower { place: Some(Place::Wing(_)), .. })
     }
 
     /// (8): what is connected with the start line is cleared.
@@ -133,7 +150,12 @@ impl ClearingAgent {
 
     /// A cleaner learns what another one knows to be cleared.
     pub(super) fn learn(&mut self, got: &Received) {
-        let (State::Cleaner(cleaner), Some(offset_m)) = (&mut self.state, got.offset_m) else {
+        let Some(offset_m) = got.offset_m else { return };
+        let State::Cleaner(cleaner) = &mut self.state else {
+            let by = self.registration.placement(offset_m);
+            if let (Some(scout), Some(safe)) = (&mut self.scout, &got.safe) {
+                scout.learn(&safe.shifted(by));
+            }
             return;
         };
         let mut placed_m = offset_m;
@@ -165,21 +187,19 @@ impl ClearingAgent {
 
     /// A follower takes over what its leader asks it to, if that is well inside its own image.
     pub(super) fn consider_requests(&mut self, got: &Received) {
-        let (Some((leader, request)), Some(seen)) = (self.request(), &self.seen) else { return };
-        let (Some(safe), Some(offset_m)) = (&got.safe, got.offset_m) else { return };
+        let (Some((leader, request)), Some(scout)) = (self.request(), &self.scout) else { return };
+        let Some(offset_m) = got.offset_m.filter(|_| got.safe.is_some()) else { return };
         if leader != got.from {
             return;
         }
         let by = self.registration.placement(offset_m);
         let Some(rect) = self.taken(&request.rect(), by) else { return };
-        let mut masks = Masks::new(&self.sight, seen.clone());
-        masks.learn(&safe.shifted(by));
-        let seeds = masks.seeds(&self.sight, &rect);
+        let seeds = scout.seeds(&self.sight, &rect);
         if seeds.is_empty() {
             return;
         }
+        let Some(mut masks) = self.scout.take() else { return };
         masks.begin(&self.sight, &seeds);
-        self.registration.restart();
         let formation = got.message.formation.as_ref();
         let tails = formation.into_iter().flat_map(odd_tails).filter(|id| *id != self.config.id);
         let roster = Roster::of(tails);
@@ -228,14 +248,18 @@ impl ClearingAgent {
         if !self.has_lost() {
             self.claims = cleaner.masks.claims(&self.sight);
         }
-        let was_done = std::mem::replace(&mut cleaner.is_done, cleaner.runs.is_empty());
-        let is_done = cleaner.is_done;
         self.update_roster(&mut cleaner);
-        if !is_done {
+        if cleaner.runs.is_empty() {
+            cleaner.done_since.get_or_insert(self.step);
+            cleaner.requests.clear();
+        } else {
+            cleaner.done_since = None;
             self.plan(&mut cleaner);
         }
+        let linger = self.config.steps(LINGER_S);
+        let is_over = cleaner.done_since.is_some_and(|since| self.step.0 - since.0 >= linger);
         self.state = State::Cleaner(cleaner);
-        if is_done && was_done {
+        if is_over {
             self.enter(State::Helper { target: None });
         }
     }

@@ -1,6 +1,7 @@
 //! What an agent says, and when.
 
 use super::ClearingAgent;
+use super::cleaner::LINGER_S;
 use super::duty::State;
 use crate::exchange::message::{Beat, Formation, Mask, Message};
 
@@ -12,10 +13,11 @@ impl ClearingAgent {
             let turn = self.step.0.wrapping_add(u32::from(self.config.id.0));
             turn.is_multiple_of(self.config.steps(period_s))
         };
-        let is_asking = matches!(&self.state, State::Cleaner(cleaner) if !cleaner.requests.is_empty()
-            || cleaner.since == self.step);
+        let linger = self.config.steps(LINGER_S);
+        let is_awaited =
+            self.cleaner().is_some_and(|cleaner| cleaner.is_awaited(self.step, linger));
         let has_beat = is_due(clearing.beat_period_s);
-        let has_mask = is_due(clearing.safe_period_s) || is_asking && has_beat;
+        let has_mask = is_due(clearing.safe_period_s) || is_awaited && has_beat;
         let has_call = is_due(clearing.call_period_s);
         let stamp = self.stamp();
         if has_beat || has_mask {

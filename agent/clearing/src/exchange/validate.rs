@@ -223,7 +223,7 @@ fn check_formation(
     let is_uav = |id: &AgentId| id.0 < config.fleet.count;
     let is_valid = members.windows(2).all(|pair| pair[0] != pair[1])
         && members.iter().chain(parent).all(is_uav)
-        && heading.iter().all(|axis| axis.abs() <= 1)
+        && heading.iter().all(|axis| (-1..=1).contains(axis))
         && requests.iter().all(|request| members.contains(&request.to) && request.to != from);
     if !is_valid {
         return Err(Rejection::Formation);
@@ -245,4 +245,4 @@ fn check_offset(got: Option<[f64; 2]>) -> Result<[f64; 2], Rejection> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

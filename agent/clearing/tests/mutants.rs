@@ -1,0 +1,83 @@
+//! Every known mistake is noticed: by contamination of what was claimed, by a frontier at the edge of an image, or by
+//! a frontier that is no boundary.
+
+#[allow(dead_code)]
+mod sim;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use csat_clearing::bitmap::Rect;
+use csat_clearing::masks::{Masks, Sight};
+use csat_clearing::mutant::{Mutant, switch};
+use csat_clearing::radii::REACH;
+use sim::links::LinkModel;
+use sim::town::Town;
+use sim::{Setup, fly};
+
+/// The frontier is what has unknown road within [`REACH`].
+fn boundary() -> Option<String> {
+    let sight = Sight::new(&Setup::new(Town::straight(), 0).config(0));
+    let mut road = sight.nothing();
+    // Steps of one pixel, in the middle of M and across its border.
+    for index in 0..80 {
+        let [row, column] = [100 + index, 200 + index / 2];
+        road.fill(&Rect { rows: [row; 2], columns: [column; 2] });
+    }
+    let mut seeds = sight.nothing();
+    seeds.set(100, 200);
+    let mut masks = Masks::new(&sight, road);
+    masks.begin(&sight, &seeds);
+    let near = masks.unknown().dilated(REACH).and(masks.mine());
+    let is_right = !near.is_empty() && near == *masks.frontier();
+    (!is_right).then(|| "a frontier that is no boundary".to_owned())
+}
+
+fn setups() -> Vec<Setup> {
+    let delayed = LinkModel { max_delay_s: 2.0, ..LinkModel::default() };
+    let town = |index: usize| match index {
+        0 => Town::ladder(60.0, &[-120.0]),
+        1 => Town::cross(),
+        2 => Town::ring(),
+        3 => Town::fork(),
+        4 => Town::desert(0, 110.0),
+        _ => Town::desert(3, 110.0),
+    };
+    (0..6)
+        .map(|index| {
+            let seed = index as u64;
+            let mut setup = Setup { max_s: 450.0, ..Setup::new(town(index), seed) };
+            setup.uavs = if index < 4 { 4 } else { 8 };
+            if index % 2 == 1 {
+                setup.links = delayed;
+            }
+            setup
+        })
+        .collect()
+}
+
+fn noticed() -> Option<String> {
+    let flown = |(index, setup): (usize, Setup)| {
+        let result = catch_unwind(AssertUnwindSafe(|| fly(&setup).first_violation));
+        let law = result.unwrap_or_else(|_| Some("an assertion".to_owned()))?;
+        Some(format!("setup {index}: {law}"))
+    };
+    boundary().or_else(|| setups().into_iter().enumerate().find_map(flown))
+}
+
+#[test]
+fn every_known_mistake_is_noticed() {
+    std::panic::set_hook(Box::new(|_| {}));
+    let mut alive = Vec::new();
+    for mutant in Mutant::ALL {
+        switch(Some(mutant));
+        match noticed() {
+            Some(law) => println!("{mutant:?}: {law}"),
+            None => alive.push(mutant),
+        }
+    }
+    switch(None);
+    let healthy = noticed();
+    let _ = std::panic::take_hook();
+    assert_eq!(healthy, None, "this is no mistake");
+    assert_eq!(alive, [], "not noticed");
+}
