@@ -30,16 +30,16 @@ calibration() {
     sweep perfect "$seeds" --vary exchange.mode=none,facts+repair
     sweep rough "$seeds" "${rough[@]}" --vary exchange.mode=facts,facts+repair
     sweep fusion "$seeds" --set exchange.mode=snapshot --vary exchange.fusion=chernoff,product
-    sweep gauss-markov "$seeds" --set pose.noise=gauss-markov --vary exchange.mode=none,facts+repair
+    sweep gauss-markov "$seeds" --set pose.noise=gauss-markov --vary exchange.mode=facts+repair
 }
 
 curves() {
-    local seeds=${SEEDS:-1..20} modes='exchange.mode=facts,facts+repair,snapshot'
-    sweep range "$seeds" --vary netem.radio.range_m=50,100,200,400,800,inf --vary "$modes"
-    sweep loss "$seeds" --vary "netem.radio.loss=iid-30:{model=\"iid\",p=0.3},iid-60:{model=\"iid\",p=0.6},iid-90:{model=\"iid\",p=0.9},bursts-30:$(bursts 0.3),bursts-60:$(bursts 0.6),bursts-90:$(bursts 0.9)" \
-        --vary 'exchange.mode=facts,facts+repair'
-    sweep delay "$seeds" --vary netem.radio.delay.mean_s=0,1,3,10,30 --vary "$modes"
-    sweep budget "$seeds" --vary exchange.budget_bytes_s=50,100,200,400,1000,inf --vary 'exchange.mode=facts+repair,snapshot'
+    local seeds=${SEEDS:-1..20} modes='exchange.mode=facts,facts+repair'
+    sweep range "$seeds" --vary netem.radio.range_m=100,200,400,inf --vary "$modes,snapshot"
+    sweep delay "$seeds" --vary netem.radio.delay.mean_s=0,3,30 --vary "$modes"
+    sweep loss "$seeds" --vary "netem.radio.loss=iid-60:{model=\"iid\",p=0.6},bursts-60:$(bursts 0.6),bursts-90:$(bursts 0.9)" \
+        --vary "$modes"
+    sweep budget "$seeds" --vary exchange.budget_bytes_s=50,200,inf --vary 'exchange.mode=facts+repair,snapshot'
 }
 
 case ${PART:-all} in
