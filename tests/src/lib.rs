@@ -11,11 +11,13 @@
 //! | [`bayes`] | the Bayesian search: its swarm, its calibration, and its equations once more |
 //! | [`swarm`] | missions with every fault, drawn from one seed, and the laws that hold in them |
 //! | [`drawn`] | legal scenarios, also extreme ones, drawn from one seed |
+//! | [`faulty`] | agents whose clocks are ahead and which miss frames |
 //! | [`fuzz`] | the checks of the fuzzers on arbitrary bytes |
 //! | [`missions`] | whole missions through the engine |
 
 pub mod bayes;
 pub mod drawn;
+pub mod faulty;
 pub mod flight;
 pub mod fuzz;
 pub mod geometry;
