@@ -53,7 +53,8 @@ fn numpy_reads_a_belief() {
          config.insert_json5('connect/endpoints', json.dumps([sys.argv[1]]))\n\
          session = zenoh.open(config)\n\
          truth = session.declare_subscriber('csat/1/truth/targets').recv()\n\
-         for sample in session.declare_subscriber('csat/1/view/0/belief'):\n\
+         beliefs = session.declare_subscriber('csat/1/view/0/belief')\n\
+         for sample in beliefs:\n\
          \x20   {}\n\
          \x20   assert belief.shape == (24, 16), belief.shape\n\
          \x20   assert abs(belief.sum() - 100) < 0.01, belief.sum()\n\

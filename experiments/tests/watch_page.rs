@@ -40,7 +40,7 @@ const STORM: Shown = Shown {
     scenario: "city-storm",
     sets: SMALL,
     curves: 5,
-    legend: &["X̄ unexplored", "hidden"],
+    legend: &["X̄ unexplored", "ground hidden and not seen since"],
     layer: "oem",
     empty: &[],
 };

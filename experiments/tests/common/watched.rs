@@ -24,6 +24,7 @@ pub const SMALL: &[&str] = &[
 /// A small region in which three aircraft find the target within 12 s; everything else happens as in [`SMALL`].
 pub const SEARCHED: &[&str] = &[
     "run.duration_s=12",
+    "run.period_s=0.5",
     "map.size_m=[200, 200]",
     "belief.kind=\"particles\"",
     "agents.count=3",

@@ -28,10 +28,10 @@ const CELL_M: f64 = 5.0;
 /// image: there p(D, V | x) is large, and what is left of 1 small. To an agent it is a product of two means, that the
 /// target is inside and that it is detected, both to first order in the errors. Of 6.3 % at the end, 2.5 % are due to
 /// the product, the others to the first order in each of them, and less than 0.1 % to the logistic curve.
-const APART: [f64; 3] = [0.02, 0.04, 0.08];
+const APART: [f64; 3] = [0.01, 0.04, 0.08];
 
 /// The same where all frames have detections.
-const APART_SEEN: f64 = 0.01;
+const APART_SEEN: f64 = 0.002;
 /// Beliefs of a target that walks, with the sides of their largest cells, metres.
 const WALKING: [(BeliefKind, f64); 2] = [(BeliefKind::Grid, 4.0), (BeliefKind::Adaptive, 12.5)];
 

@@ -71,10 +71,14 @@ impl Moment {
     }
 
     fn fly(mut script: Script) -> Self {
-        (0..FIRST).for_each(|_| drop(script.step(Heard::All)));
+        for _ in 0..FIRST {
+            script.step(Heard::All);
+        }
         script.agents[0] = Bayes::of(&script.scenario).agent(AgentId(0), LIFE);
         script.said.clear();
-        (0..STEPS).for_each(|_| drop(script.step(Heard::All)));
+        for _ in 0..STEPS {
+            script.step(Heard::All);
+        }
         let (agent, now) = (script.agents[0].clone(), script.now());
         let answer = script.agents[1].answer(now).expect("it knows something");
         let others = script.said.iter().filter(|(from, _)| *from == 1).map(|(_, bytes)| bytes);
