@@ -126,6 +126,7 @@ fn shape(line: &str) -> String {
     }
     [
         ("(all after # s)", "(not all)"),
+        ("(first after # s)", "(not first)"),
         ("error -", "error # m"),
         ("radius -", "radius # m"),
         ("seed#-#", "seed#"),

@@ -7,8 +7,9 @@ mod common;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use common::fleet::{end, endpoint, expect_nobody, signal, spawn, wait_for_flight};
-use common::{scratch, text};
+use common::docs::{blocks, root};
+use common::fleet::{end, endpoint, expect_nobody, process, signal, spawn, wait_for_flight};
+use common::{read, scratch, text};
 
 /// A Python with Zenoh's tools and shapely.
 fn python() -> Option<PathBuf> {
@@ -36,6 +37,47 @@ fn zenoh(python: &Path, endpoint: &str) -> Command {
     let mut command = Command::new(python.with_file_name("zenoh"));
     command.args(["--mode", "client", "--connect", endpoint]);
     command
+}
+
+/// What numpy is told in `docs/topics.md` reads a belief as it is published.
+#[test]
+fn numpy_reads_a_belief() {
+    let packages = "eclipse-zenoh==1.10.2 numpy";
+    let Some(python) = common::python(&["zenoh", "numpy"], packages) else { return };
+    let topics = read(&root().join("docs/topics.md"));
+    let [(_, lines)] = &blocks(&topics, "python")[..] else { panic!("one block of Python") };
+    let script = format!(
+        "import json, numpy, sys, zenoh\n\
+         config = zenoh.Config()\n\
+         config.insert_json5('mode', json.dumps('client'))\n\
+         config.insert_json5('connect/endpoints', json.dumps([sys.argv[1]]))\n\
+         session = zenoh.open(config)\n\
+         truth = session.declare_subscriber('csat/1/truth/targets').recv()\n\
+         beliefs = session.declare_subscriber('csat/1/view/0/belief')\n\
+         for sample in beliefs:\n\
+         \x20   {}\n\
+         \x20   assert belief.shape == (24, 16), belief.shape\n\
+         \x20   assert abs(belief.sum() - 100) < 0.01, belief.sum()\n\
+         \x20   assert belief[row, column] == d['maximum'], d['maximum']\n\
+         \x20   if d['maximum'] > 20: break\n\
+         found = [o + d['cell_m'] * (i + 0.5) for o, i in zip(d['origin_m'], (column, row))]\n\
+         [target] = json.loads(truth.payload.to_string())['targets']\n\
+         assert numpy.hypot(*numpy.subtract(found, target['location'])) < 40, (found, target)\n\
+         session.close()",
+        lines.join("\n    ")
+    );
+    let (folder, endpoint) = (scratch(), endpoint());
+    let start = "agents.start=[{x_m=-50,y_m=-150,yaw_deg=90},{x_m=50,y_m=-150,yaw_deg=90}]";
+    let sets = ["run.duration_s=30000", "map.size_m=[200, 300]", start].map(|set| ["--set", set]);
+    let arguments =
+        [&["spawn", "tisdale", "--listen", &endpoint, "--out", "out"], sets.as_flattened()];
+    let fleet = process(folder.path(), &arguments.concat());
+    wait_for_flight(folder.path());
+    let output = Command::new(python).args(["-c", &script, &endpoint]).output().unwrap();
+    assert!(output.status.success(), "{script}\n{}", text(&output.stderr));
+    signal(fleet.id(), "-INT");
+    assert_eq!(end(fleet).status.code(), Some(130));
+    expect_nobody(&endpoint);
 }
 
 #[test]

@@ -21,63 +21,122 @@ use csat_experiments::watch::document::Document;
 use csat_experiments::watch::feed::Hub;
 use csat_experiments::watch::server::{self, Source};
 use serde_json::json;
-use watched::{HASH, SMALL, browser, picture, record_small, shot, text, watch, watch_with};
+use watched::{HASH, SEARCHED, SMALL, browser, picture, shot, text, watch, watch_with};
+
+/// A mission of three UAVs and 12 s, the third of which crashes at 8 s, and what the page shows of it.
+struct Shown {
+    scenario: &'static str,
+    sets: &'static [&'static str],
+    curves: u32,
+    /// How the words of its layers begin, from the bottom up.
+    legend: &'static [&'static str],
+    /// A layer that differs between agents.
+    layer: &'static str,
+    /// The layers of which there is nothing to show.
+    empty: &'static [&'static str],
+}
+
+const STORM: Shown = Shown {
+    scenario: "city-storm",
+    sets: SMALL,
+    curves: 5,
+    legend: &["X̄ unexplored", "ground hidden and not seen since"],
+    layer: "oem",
+    empty: &[],
+};
+
+const SEARCH: Shown = Shown {
+    scenario: "tisdale",
+    sets: SEARCHED,
+    curves: 5,
+    legend: &[
+        "where the target may be: probability of a cell: up to ",
+        "particles",
+        "densest cells with 95 % of the probability",
+        "95 % ellipse of mean and covariance",
+        "detections, false alarms included",
+    ],
+    layer: "belief",
+    empty: &["buildings", "roads"],
+};
 
 #[test]
 fn a_recording_plays_in_a_browser() {
+    plays(&STORM);
+}
+
+#[test]
+fn a_recorded_search_plays_in_a_browser() {
+    plays(&SEARCH);
+}
+
+fn plays(shown: &Shown) {
     let Some(mut browser) = browser() else { return };
     let folder = common::scratch();
-    record_small(folder.path());
+    flight::record(folder.path(), shown.scenario, shown.sets);
     let (_watching, address) = watch(folder.path());
     browser.resize(1280, 800);
     browser.open(&address);
     browser.wait_for("document.getElementById('time').textContent === '12.0 of 12 s'");
-    assert_eq!(text(&mut browser, "title"), "city-storm · seed 1");
+    assert_eq!(text(&mut browser, "title"), format!("{} · seed 1", shown.scenario));
     assert_eq!(text(&mut browser, "violations"), "0");
     assert_eq!(browser.value("document.querySelectorAll('#agents button').length"), 3);
-    assert_eq!(browser.value("document.querySelectorAll('.curve canvas').length"), 5);
-    shot(&mut browser, "small-end");
+    assert_eq!(browser.value("document.querySelectorAll('.curve canvas').length"), shown.curves);
+    shot(&mut browser, &format!("{}-end", shown.scenario));
 
-    layers_can_be_switched(&mut browser);
-    keys_and_buttons_work(&mut browser);
+    the_legend_names_the_layers(&mut browser, shown.legend);
+    layers_can_be_switched(&mut browser, shown.empty);
+    keys_and_buttons_work(&mut browser, shown);
     it_fits_a_hand(&mut browser, &address);
     assert_eq!(browser.complaints, Vec::<String>::new());
 }
 
-/// Every layer shows, and its switch takes it away.
-fn layers_can_be_switched(browser: &mut Browser) {
+fn the_legend_names_the_layers(browser: &mut Browser, expected: &[&str]) {
+    let words =
+        "styles.map((style) => document.getElementById(`words-view-${style.key}`).textContent)";
+    let words = browser.value(words);
+    let words: Vec<&str> = words.as_array().unwrap().iter().filter_map(|w| w.as_str()).collect();
+    assert!(words.len() >= expected.len(), "{words:?}");
+    for (words, expected) in words.iter().zip(expected) {
+        assert!(words.starts_with(expected), "{words}, not {expected}");
+    }
+}
+
+/// Every layer shows, unless there is nothing of it, and its switch takes it away.
+fn layers_can_be_switched(browser: &mut Browser, empty: &[&str]) {
     browser.press("Home");
     browser.press("ArrowRight");
     browser.wait_for("document.getElementById('time').textContent.startsWith('0.5')");
     let layers = browser.value("LAYERS.filter((l) => l.id).map((l) => l.id)");
     browser.press("End");
     browser.wait_for("document.getElementById('time').textContent.startsWith('12.0')");
-    for layer in layers.as_array().unwrap() {
+    let layers = layers.as_array().unwrap().iter().filter_map(|layer| layer.as_str());
+    for layer in layers.filter(|layer| !empty.contains(layer)) {
         let canvases = ["ground", "fleet"];
         let before = canvases.map(|canvas| picture(browser, canvas));
-        browser.click(&format!("#layer-{}", layer.as_str().unwrap()));
+        browser.click(&format!("#layer-{layer}"));
         let after = canvases.map(|canvas| picture(browser, canvas));
         assert_ne!(before, after, "{layer} shows nothing");
-        browser.click(&format!("#layer-{}", layer.as_str().unwrap()));
+        browser.click(&format!("#layer-{layer}"));
         assert_eq!(canvases.map(|canvas| picture(browser, canvas)), before, "{layer}");
     }
 }
 
 /// Agents, steps, playing, zoom.
-fn keys_and_buttons_work(browser: &mut Browser) {
+fn keys_and_buttons_work(browser: &mut Browser, Shown { scenario, layer, .. }: &Shown) {
     let of_0 = picture(browser, "ground");
     browser.press("1");
     browser.wait_for("document.getElementById('details-title').textContent === 'UAV 1'");
-    browser.wait_for("view(1, 'oem')");
+    browser.wait_for(&format!("view(1, '{layer}')"));
     assert_ne!(picture(browser, "ground"), of_0);
     browser.click("#agents button:nth-child(1)");
-    browser.wait_for("view(0, 'oem')");
+    browser.wait_for(&format!("view(0, '{layer}')"));
     assert_eq!(picture(browser, "ground"), of_0);
     browser.value("seek(9)");
     browser.wait_for(
         "document.querySelector('#agents button:nth-child(3) small').textContent === 'crashed'",
     );
-    shot(browser, "small-crashed");
+    shot(browser, &format!("{scenario}-crashed"));
     browser.click("#back");
     browser.wait_for("document.getElementById('time').textContent.startsWith('8.5')");
     browser.click("#zoom-in");

@@ -31,13 +31,16 @@ impl Default for DetectorModel {
     }
 }
 
+/// Pixels per square metre; the square of a greater number may exceed what a number can be.
+const MAX_RESOLUTION: f64 = 1e150;
+
 impl DetectorModel {
     /// p(D | V, r): the probability that a visible target is detected where the image has that resolution,
     /// px/m² (6).
     pub fn p_detected(&self, resolution_px_m2: f64) -> f64 {
         let [detected, missed] = [self.detected_resolution, self.missed_resolution];
         let exponent = |[mean, variance]: [f64; 2]| {
-            let d = resolution_px_m2 - mean;
+            let d = resolution_px_m2.min(MAX_RESOLUTION) - mean;
             d * d / (2.0 * variance)
         };
         let prior = (1.0 - self.p_detection) / self.p_detection;
@@ -64,7 +67,7 @@ mod tests {
             assert!((model.p_detected(r) - expected).abs() < 1e-12, "{r}");
         }
         assert!((model.p_detected(60.0) - 0.9676).abs() < 1e-4);
-        assert_eq!(model.p_detected(1e9), 0.0);
+        assert_eq!((model.p_detected(1e9), model.p_detected(f64::INFINITY)), (0.0, 0.0));
         let sure = DetectorModel { p_detection: 1.0, ..model };
         assert_eq!(sure.p_detected(60.0), 1.0);
     }

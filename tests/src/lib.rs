@@ -12,12 +12,14 @@
 //! | [`clearing`] | road clearing: its swarm |
 //! | [`swarm`] | missions with every fault, drawn from one seed, and the laws that hold in them |
 //! | [`drawn`] | legal scenarios, also extreme ones, drawn from one seed |
+//! | [`faulty`] | agents whose clocks are ahead and which miss frames |
 //! | [`fuzz`] | the checks of the fuzzers on arbitrary bytes |
 //! | [`missions`] | whole missions through the engine |
 
 pub mod bayes;
 pub mod clearing;
 pub mod drawn;
+pub mod faulty;
 pub mod flight;
 pub mod fuzz;
 pub mod geometry;

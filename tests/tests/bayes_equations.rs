@@ -5,7 +5,7 @@ use csat_tests::bayes::{equations, liar};
 #[test]
 fn beliefs_are_the_posterior_of_the_equations() {
     let apart = equations::check_posterior().unwrap();
-    println!("at most {apart:.4} of the probability is elsewhere");
+    println!("at most {apart:.4?} of the probability is elsewhere after each part");
 }
 
 #[test]

@@ -34,10 +34,10 @@ fn whatever_the_links_do_beliefs_are_products_and_healed_agents_agree() {
     println!("{exercise:#?}");
     assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), seeds.len(), failures.join("\n"));
     if seeds.len() as u64 >= SEEDS.fixed {
-        let Exercise { corrupted, duplicated, late, crashes, old, .. } = exercise;
+        let Exercise { corrupted, duplicated, late, crashes, old, missed, ahead, .. } = exercise;
         let Exercise { repeated, relayed, sightings, products, equal, identical, .. } = exercise;
         let Exercise { stale, converged, tight, stationed, moving, .. } = exercise;
-        let many = [corrupted, duplicated, late, crashes, old, repeated, relayed];
+        let many = [corrupted, duplicated, late, crashes, old, missed, ahead, repeated, relayed];
         let more = [sightings, products, equal, identical];
         assert!(many.iter().chain(&more).min() > Some(&10), "{exercise:?}");
         assert!(

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use csat_tests::fuzz::{TARGETS, seeds, spoil};
+use csat_tests::fuzz::{TARGETS, factors, seeds, spoil};
 
 #[test]
 fn whatever_was_kept_is_harmless() {
@@ -35,6 +35,7 @@ fn the_fuzzers_begin_with_what_is_harmless() {
             let spoil = match target {
                 "fact" => spoil::fact,
                 "snapshot" => spoil::snapshot,
+                "factors" => factors::lie::talk,
                 _ => continue,
             };
             for seed in 0..20 {

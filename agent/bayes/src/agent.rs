@@ -23,7 +23,6 @@ use crate::config::{AgentConfig, ExchangeMode};
 use crate::exchange::factor_set::FactorSet;
 use crate::exchange::message::Plan;
 use crate::exchange::protocol::{Exchange, Received, Stamp};
-use crate::exchange::validate::Rejection;
 use crate::factor::{Factor, ReportedPose};
 use crate::filter::Filter;
 use crate::guidance::{GuidanceInput, Guide, NeighbourPlan};
@@ -48,7 +47,7 @@ pub enum Event {
         #[serde(skip_serializing_if = "Option::is_none")]
         location: Option<[f64; 2]>,
     },
-    /// It dropped a message; reported once per reason and sender.
+    /// It dropped a message, or a factor of one; reported once per reason and sender.
     Rejected {
         /// The step of its belief.
         step: Step,
@@ -69,6 +68,7 @@ pub enum Event {
 }
 
 /// One aircraft or ground station of the Bayesian search.
+#[derive(Debug, Clone)]
 pub struct BayesAgent {
     config: AgentConfig,
     exchange: Exchange,
@@ -188,7 +188,7 @@ impl BayesAgent {
         self.recent[1].clear();
         self.own = sighting.map(|sighting| self.exchange.state(step, &pose, sighting));
         if let Some(factor) = self.own {
-            self.set.insert(factor);
+            self.set.state(factor);
             self.recent[1].push(factor);
             self.news.push(factor);
         }
@@ -259,8 +259,11 @@ impl BayesAgent {
     }
 
     fn hear(&mut self, received: Received) {
-        let Received { from, factors, plan, belief, step, .. } = received;
-        let conflicts = self.set.conflicts();
+        let Received { from, factors, dropped, plan, belief, step, .. } = received;
+        for rejection in dropped {
+            self.reject(Some(from), rejection.name(), rejection.to_string());
+        }
+        let (conflicts, refused) = (self.set.conflicts(), self.set.refused());
         for factor in factors {
             let is_new = self.set.insert(factor);
             self.recent[1].extend(is_new.then_some(factor));
@@ -273,9 +276,9 @@ impl BayesAgent {
                 self.news.push(Factor { pose, ..factor });
             }
         }
+        self.count("room", self.set.refused() - refused);
+        self.count("conflict", self.set.conflicts() - conflicts);
         if self.set.conflicts() > conflicts {
-            *self.rejected.entry("conflict".to_owned()).or_default() +=
-                self.set.conflicts() - conflicts;
             self.events.push_back(Event::Conflict { step: self.step, from });
         }
         let is_newer = self.neighbours.get(&from).is_none_or(|known| known.step <= step);
@@ -292,8 +295,14 @@ impl BayesAgent {
         }
     }
 
+    fn count(&mut self, reason: &str, dropped: u64) {
+        if dropped > 0 {
+            *self.rejected.entry(reason.to_owned()).or_default() += dropped;
+        }
+    }
+
     fn reject(&mut self, from: Option<AgentId>, reason: &str, detail: String) {
-        *self.rejected.entry(reason.to_owned()).or_default() += 1;
+        self.count(reason, 1);
         if self.reported.insert((reason.to_owned(), from)) {
             tracing::info!(agent = %self.config.id, ?from, reason, detail, "dropped");
             let reason = reason.to_owned();
@@ -326,7 +335,7 @@ impl Agent for BayesAgent {
             Ok(received) => self.hear(received),
             Err(rejection) => {
                 let from = self.sender_of(&message.bytes);
-                self.reject(from, Rejection::name(&rejection), rejection.to_string());
+                self.reject(from, rejection.name(), rejection.to_string());
             }
         }
     }

@@ -128,6 +128,27 @@ fn likelihoods_are_probabilities() {
     assert!((sum / expected - 1.0).abs() < 0.02, "{sum} {expected}");
 }
 
+/// Other agents may say that a frame was taken from there.
+#[test]
+fn likelihoods_are_finite_from_any_height() {
+    let sensor = sensor();
+    for height in [1e-45, f64::from(f32::MIN_POSITIVE), 0.5, 9999.0] {
+        for pitch_rad in [0.0, 0.3, -1.57] {
+            let pose = Pose { p_world: [40.0, -25.0, height], pitch_rad, ..turning() };
+            for sighting in [None, Some([0.0, 0.0]), Some([320.0, 240.0])] {
+                let frame = Likelihood::of_frame(&sensor, &pose, sighting);
+                for x in [[40.0, -25.0], [48.0, -25.0], [20.0, 30.0], [400.0, 300.0]] {
+                    let (p, ln) = (frame.p_detection(x), frame.ln_ratio(x));
+                    assert!(
+                        (0.0..=1.0).contains(&p) && ln.is_finite(),
+                        "{height} {pitch_rad} {x:?}: {p} {ln}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn outside_its_bounds_a_likelihood_is_its_constant() {
     let sensor = sensor();

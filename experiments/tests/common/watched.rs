@@ -21,6 +21,18 @@ pub const SMALL: &[&str] = &[
     "netem.outage=[{agent=2, from_s=8, until_s=10, kind=\"crash\"}]",
 ];
 
+/// A small region in which three aircraft find the target within 12 s; everything else happens as in [`SMALL`].
+pub const SEARCHED: &[&str] = &[
+    "run.duration_s=12",
+    "run.period_s=0.5",
+    "map.size_m=[200, 200]",
+    "belief.kind=\"particles\"",
+    "agents.count=3",
+    "agents.start=[{x_m=-60,y_m=-110,yaw_deg=90},{x_m=0,y_m=-110,yaw_deg=90},{x_m=60,y_m=-110,yaw_deg=90}]",
+    "netem.radio.range_m=90",
+    "netem.outage=[{agent=2, from_s=8, until_s=10, kind=\"crash\"}]",
+];
+
 /// A browser, or a loud word that none is installed.
 pub fn browser() -> Option<Browser> {
     let browser = Browser::start();

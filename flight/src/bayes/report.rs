@@ -38,9 +38,9 @@ pub struct Report {
     pub region: CellSet,
     /// P(D) of the frames whose factors it holds (8).
     pub cumulative_detection: f64,
-    /// How many factors it holds.
+    /// How many factors its belief has.
     pub held: u64,
-    /// The factors that it got to hold in this step and in the one before.
+    /// Those of them that it got to hold in this step and in the one before.
     pub news: Vec<Factor>,
     /// Factors that were too late for a target that moves.
     pub left_out: u64,
@@ -69,19 +69,21 @@ impl Report {
     pub fn of(agent: &BayesAgent, detail: Detail) -> Self {
         let (config, filter) = (agent.config(), agent.filter());
         let belief = filter.belief();
-        let estimate = belief.gaussian();
+        let (step, estimate) = (filter.step(), belief.gaussian());
+        // An agent that missed a frame hears of steps to which its belief has not come.
+        let ahead = agent.factors().since(step.after(1)).count();
         Self {
             agent: config.id,
             incarnation: config.incarnation,
-            step: filter.step(),
+            step,
             pose: *agent.pose(),
             planned: agent.planned().to_vec(),
             own: agent.own_factor().copied(),
             estimate,
             region: belief.highest_density(SHARE),
             cumulative_detection: filter.cumulative_detection(),
-            held: agent.factors().len() as u64,
-            news: agent.recent().copied().collect(),
+            held: (agent.factors().len() - ahead) as u64,
+            news: agent.recent().filter(|factor| factor.step <= step).copied().collect(),
             left_out: filter.left_out(),
             probes: probes(agent, &estimate),
             tally: Tally { rejected: agent.rejected().clone(), withheld: agent.withheld() },

@@ -16,7 +16,7 @@ pub const COLUMNS: &[Column] = &[
         .last_as("cleared_by_uav_pct")
         .plotted(Plot::more("Cleared by each UAV at the end", "cleared by a UAV, %", "% of R_S").note("")),
     Column::of_agent("path_m", "path", "m")
-        .defined("length of the path that it has flown, as it measures it", "Gagliardi et al. figure 10b")
+        .defined("length of the path that it has flown, in truth", "Gagliardi et al. figure 10b")
         .last_as("path_m")
         .plotted(Plot::less("Path of each UAV at the end", "path, m", "m").note("")),
     Column::of_agent("hbsr_bytes", "short range", "bytes")

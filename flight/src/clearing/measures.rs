@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use csat_clearing::agent::{Counters, Role};
 use csat_mission::measures::{Measures, Values};
+use csat_proto::camera::Pose;
 use csat_proto::ids::{AgentId, Incarnation};
 
 use super::report::Report;
@@ -14,6 +15,8 @@ pub struct ClearingMeasures {
     pixel_m: f64,
     /// What each life counted, up to its last report.
     counters: BTreeMap<(AgentId, Incarnation), Counters>,
+    /// Where each UAV was, and the length of its path.
+    paths: BTreeMap<AgentId, ([f64; 3], f64)>,
     /// The same up to the report before.
     before: BTreeMap<(AgentId, Incarnation), Counters>,
 }
@@ -21,7 +24,7 @@ pub struct ClearingMeasures {
 impl ClearingMeasures {
     /// Before the first step.
     pub fn new(pixel_m: f64) -> Self {
-        Self { pixel_m, counters: BTreeMap::new(), before: BTreeMap::new() }
+        Self { pixel_m, counters: BTreeMap::new(), paths: BTreeMap::new(), before: BTreeMap::new() }
     }
 
     fn sum(&self, count: impl Fn(&Counters) -> u32) -> Option<f64> {
@@ -30,6 +33,12 @@ impl ClearingMeasures {
 }
 
 impl Measures<Report> for ClearingMeasures {
+    fn observe(&mut self, report: &Report, pose: &Pose, _: &[[f64; 2]]) {
+        let (place, path_m) = self.paths.entry(report.agent).or_insert((pose.p_world, 0.0));
+        *path_m += (pose.p_world[0] - place[0]).hypot(pose.p_world[1] - place[1]);
+        *place = pose.p_world;
+    }
+
     fn fleet(&mut self, uavs: &[&Report], _: &[[f64; 2]]) -> Values {
         self.before = self.counters.clone();
         self.counters.extend(
@@ -54,7 +63,7 @@ impl Measures<Report> for ClearingMeasures {
         vec![
             ("role", role(report.role)),
             ("frontier_m", Some(self.pixel_m * f64::from(report.frontier_px))),
-            ("path_m", Some(report.counters.path_m)),
+            ("path_m", self.paths.get(&report.agent).map(|(_, path_m)| *path_m)),
             ("hbsr_bytes", since(report.counters.hbsr_bytes, before.hbsr_bytes)),
             ("lblr_bytes", since(report.counters.lblr_bytes, before.lblr_bytes)),
         ]

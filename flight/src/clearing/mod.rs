@@ -117,10 +117,7 @@ impl Mission for Clearing {
     }
 
     fn stats(&self, report: &Report) -> Vec<(&'static str, Option<f64>)> {
-        vec![
-            ("frontier_m", Some(self.config.pixel_m() * f64::from(report.frontier_px))),
-            ("path_m", Some(report.counters.path_m)),
-        ]
+        vec![("frontier_m", Some(self.config.pixel_m() * f64::from(report.frontier_px)))]
     }
 
     /// Nothing that an honest fleet says contradicts itself.

@@ -1,32 +1,37 @@
 //! The equations of Tisdale et al. 2008 once more, without the likelihoods of the agent: errors of poses are
-//! drawn, derivatives are differences, and a posterior is a product over a grid. Agents in a scripted mission
+//! sampled, derivatives are differences, and a posterior is a product over a grid. Agents in a scripted mission
 //! have to believe the same.
 
 use csat_bayes::agent::BayesAgent;
 use csat_bayes::belief::region::CellSet;
 use csat_bayes::config::BeliefKind;
 use csat_proto::agent::Agent;
-use csat_proto::camera::{CameraModel, Pose};
+use csat_proto::camera::{CameraModel, CameraView, Pose};
 use csat_proto::detector::DetectorModel;
 use csat_proto::frame::Frame as SensorFrame;
 use csat_proto::time::{SimTime, Step};
 use nalgebra::Vector3;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::missions::Tables;
 use super::script::{Heard, Script, TARGET, newcomer};
 
-/// Draws of the errors of a pose.
-const DRAWS: usize = 1000;
+/// Samples of the errors of a pose.
+const SAMPLES: u32 = 4000;
+/// The root of x⁷ = x + 1: the fractions of multiples of its powers -1 to -6 fill the six dimensions of errors evenly
+/// (Roberts 2018). A thousand independent draws put 3 to 8 % of the probability elsewhere, these samples 1.3 %.
+const EVEN: f64 = 1.112_775_684_278_705_5;
 /// Side of the cells, metres.
 const CELL_M: f64 = 5.0;
-/// How far a posterior may be from that of the equations, as half the sum of the differences of probabilities.
-/// Frames without detection are the reason: the edges of an image are simpler to an agent.
-const APART: f64 = 0.1;
+/// How far a posterior may be from that of the equations after each part of the script, as half the sum of the
+/// differences of probabilities. Frames without detection are the reason, where the target is near an edge of the
+/// image: there p(D, V | x) is large, and what is left of 1 small. To an agent it is a product of two means, that the
+/// target is inside and that it is detected, both to first order in the errors. Of 6.3 % at the end, 2.5 % are due to
+/// the product, the others to the first order in each of them, and less than 0.1 % to the logistic curve.
+const APART: [f64; 3] = [0.01, 0.04, 0.08];
 
 /// The same where all frames have detections.
-const APART_SEEN: f64 = 0.01;
+const APART_SEEN: f64 = 0.002;
 /// Beliefs of a target that walks, with the sides of their largest cells, metres.
 const WALKING: [(BeliefKind, f64); 2] = [(BeliefKind::Grid, 4.0), (BeliefKind::Adaptive, 12.5)];
 
@@ -52,8 +57,13 @@ impl Model {
     /// The model of a scripted mission.
     pub fn new(script: &Script) -> Self {
         let Tables { detector, pose, .. } = script.tables;
-        let mut rng = ChaCha8Rng::seed_from_u64(1);
-        let errors = (0..DRAWS).map(|_| pose.sigma.map(|sigma| sigma * normal(&mut rng))).collect();
+        let normal = Normal::standard();
+        let error = |index: u32, axis: usize| {
+            let place = 0.5 + f64::from(index) * EVEN.powi(-(axis as i32 + 1));
+            pose.sigma[axis] * normal.inverse_cdf(place.fract())
+        };
+        let errors = (1..=SAMPLES).map(|index| std::array::from_fn(|axis| error(index, axis)));
+        let errors = errors.collect();
         Self { camera: script.scenario.camera, detector, sigma: pose.sigma, errors }
     }
 
@@ -63,15 +73,16 @@ impl Model {
         let Frame { pose, sighting } = *frame;
         // (3): what is not the target is uniform in the image.
         let of_false = p_false / self.size().iter().product::<f64>();
-        let detected = sighting.map_or(0.0, |z| {
-            self.mean(&pose, |pose| {
-                let place = ground_point(&self.camera, pose, z);
-                place.map_or(0.0, |place| self.p_detected(self.resolution(pose, place)))
+        let views = self.views(&pose);
+        let detected = sighting.map_or(0.0, |[c, r]| {
+            mean(&views, |view| {
+                let place = view.ground_point(c, r);
+                place.map_or(0.0, |place| self.p_detected(resolution(view, place)))
             })
         });
         move |x| match sighting {
             // (5), (7): 1 − p(D, V | x) − P_false.
-            None => 1.0 - self.mean(&pose, |pose| self.p_seen(pose, x)) - p_false,
+            None => 1.0 - mean(&views, |view| self.p_seen(view, x)) - p_false,
             Some(z) => self.density(&pose, x, z) * detected + of_false,
         }
     }
@@ -80,18 +91,17 @@ impl Model {
         [f64::from(self.camera.columns), f64::from(self.camera.rows)]
     }
 
-    /// The mean over the errors of a pose.
-    fn mean(&self, pose: &Pose, of: impl Fn(&Pose) -> f64) -> f64 {
-        let draws = self.errors.iter().map(|e| of(&with_errors(pose, *e)));
-        draws.sum::<f64>() / self.errors.len() as f64
+    /// The camera at a reported pose, with each of the errors that it may have.
+    fn views(&self, pose: &Pose) -> Vec<CameraView> {
+        self.errors.iter().map(|e| self.camera.at(&with_errors(pose, *e))).collect()
     }
 
     /// The probability that a camera whose pose is known sees and detects a target at x.
-    fn p_seen(&self, pose: &Pose, x: [f64; 2]) -> f64 {
+    fn p_seen(&self, view: &CameraView, x: [f64; 2]) -> f64 {
         let is_inside =
             |z: [f64; 2]| self.size().iter().zip(z).all(|(size, z)| (0.0..=*size).contains(&z));
-        match image_of(&self.camera, pose, x).filter(|z| is_inside(*z)) {
-            Some(_) => self.p_detected(self.resolution(pose, x)),
+        match image_in(view, x).filter(|z| is_inside(*z)) {
+            Some(_) => self.p_detected(resolution(view, x)),
             None => 0.0,
         }
     }
@@ -106,20 +116,6 @@ impl Model {
         let hit = p_detection * density(detected_resolution);
         let miss = (1.0 - p_detection) * density(missed_resolution);
         if hit + miss > 0.0 { hit / (hit + miss) } else { 0.0 }
-    }
-
-    /// Pixels per square metre at a place: the determinant of the projection's derivative.
-    fn resolution(&self, pose: &Pose, [x, y]: [f64; 2]) -> f64 {
-        let h = 0.01;
-        let at = |dx: f64, dy: f64| image_of(&self.camera, pose, [x + dx, y + dy]);
-        let (Some(e), Some(w), Some(n), Some(s)) =
-            (at(h, 0.0), at(-h, 0.0), at(0.0, h), at(0.0, -h))
-        else {
-            return 0.0;
-        };
-        let [c_x, r_x] = [0, 1].map(|i| (e[i] - w[i]) / (2.0 * h));
-        let [c_y, r_y] = [0, 1].map(|i| (n[i] - s[i]) / (2.0 * h));
-        (c_x * r_y - c_y * r_x).abs()
     }
 
     /// (4): the normal density of z about the image of x, whose covariance is that of the errors of the pose.
@@ -145,11 +141,30 @@ impl Model {
     }
 }
 
-/// The posterior of frames over cells, row by row from the south-west.
-fn posterior(model: &Model, cells: &[[f64; 2]], frames: &[Frame]) -> Vec<f64> {
-    let frames: Vec<_> = frames.iter().map(|frame| model.likelihood(frame)).collect();
-    let of = |x: &[f64; 2]| frames.iter().map(|frame| frame(*x)).product();
-    normalised(cells.iter().map(of).collect())
+/// The mean over the errors of a pose.
+fn mean(views: &[CameraView], of: impl Fn(&CameraView) -> f64) -> f64 {
+    views.iter().map(of).sum::<f64>() / views.len() as f64
+}
+
+/// Pixels per square metre at a place: the determinant of the projection's derivative.
+fn resolution(view: &CameraView, [x, y]: [f64; 2]) -> f64 {
+    let h = 0.01;
+    let at = |dx: f64, dy: f64| image_in(view, [x + dx, y + dy]);
+    let (Some(e), Some(w), Some(n), Some(s)) = (at(h, 0.0), at(-h, 0.0), at(0.0, h), at(0.0, -h))
+    else {
+        return 0.0;
+    };
+    let [c_x, r_x] = [0, 1].map(|i| (e[i] - w[i]) / (2.0 * h));
+    let [c_y, r_y] = [0, 1].map(|i| (n[i] - s[i]) / (2.0 * h));
+    (c_x * r_y - c_y * r_x).abs()
+}
+
+/// Multiplies a posterior over cells, row by row from the south-west, by the likelihood of a frame.
+fn multiply(posterior: &mut [f64], model: &Model, cells: &[[f64; 2]], frame: &Frame) {
+    let likelihood = model.likelihood(frame);
+    posterior.iter_mut().zip(cells).for_each(|(p, x)| *p *= likelihood(*x));
+    let sum: f64 = posterior.iter().sum();
+    posterior.iter_mut().for_each(|p| *p /= sum);
 }
 
 fn normalised(weights: Vec<f64>) -> Vec<f64> {
@@ -175,32 +190,29 @@ fn believed(agent: &BayesAgent, cells: &[[f64; 2]]) -> Vec<f64> {
 ///
 /// # Errors
 /// How far they are from it.
-pub fn check_posterior() -> Result<f64, String> {
+pub fn check_posterior() -> Result<[f64; 3], String> {
     let mut script = Script::new(BeliefKind::Grid, CELL_M);
     let model = Model::new(&script);
     let cells = cells(script.scenario.map.size_m[0]);
-    let mut frames = Vec::new();
-    let mut worst = 0.0f64;
-    for (part, (steps, is_end)) in [(6, false), (4, false), (6, true)].into_iter().enumerate() {
-        for _ in 0..steps {
-            frames.extend(script.step(Heard::All));
+    let mut expected = vec![1.0; cells.len()];
+    let mut worst = [0.0f64; 3];
+    for (part, steps) in [6, 4, 6].into_iter().enumerate() {
+        for frame in (0..steps).flat_map(|_| script.step(Heard::All)) {
+            multiply(&mut expected, &model, &cells, &frame);
         }
-        let expected = posterior(&model, &cells, &frames);
         for agent in &script.agents {
             let got = believed(agent, &cells);
             if got.len() != expected.len() {
                 return Err(format!("{} cells of {}", got.len(), expected.len()));
             }
             let apart = apart(&got, &expected);
-            worst = worst.max(apart);
-            if apart > APART {
+            worst[part] = worst[part].max(apart);
+            if apart > APART[part] {
                 return Err(format!("after part {part} beliefs are {apart:.4} from the posterior"));
             }
         }
-        if is_end {
-            check_found(&script)?;
-        }
     }
+    check_found(&script)?;
     Ok(worst)
 }
 
@@ -219,8 +231,10 @@ pub fn check_sightings() -> Result<f64, String> {
     let cells = cells(script.scenario.map.size_m[0]);
     let frames = (0..16).flat_map(|_| script.step(Heard::All));
     let seen: Vec<Frame> = frames.filter(|frame| frame.sighting.is_some()).collect();
+    let mut expected = vec![1.0; cells.len()];
     let mut worst = 0.0f64;
     for count in 1..=seen.len() {
+        multiply(&mut expected, &model, &cells, &seen[count - 1]);
         let mut agent = newcomer(&script.scenario, 0);
         for (step, frame) in (0..).zip(&seen[..count]) {
             let now = SimTime::from_seconds(f64::from(step));
@@ -230,8 +244,7 @@ pub fn check_sightings() -> Result<f64, String> {
             );
             agent.handle_timeout(now);
         }
-        worst =
-            worst.max(apart(&believed(&agent, &cells), &posterior(&model, &cells, &seen[..count])));
+        worst = worst.max(apart(&believed(&agent, &cells), &expected));
     }
     match seen.len() >= 4 && worst < APART_SEEN {
         true => Ok(worst),
@@ -286,9 +299,10 @@ pub fn check_detection() -> Result<(), String> {
     let model = Model::new(&script);
     let frames: Vec<Frame> = (0..16).flat_map(|_| script.step(Heard::All)).collect();
     let cells = cells(script.scenario.map.size_m[0]);
+    let views: Vec<_> = frames.iter().map(|frame| model.views(&frame.pose)).collect();
     let missed = |x: &[f64; 2]| {
-        let seen = |frame: &Frame| model.mean(&frame.pose, |pose| model.p_seen(pose, *x));
-        frames.iter().map(|frame| 1.0 - seen(frame)).product::<f64>()
+        let seen = |views: &Vec<CameraView>| mean(views, |view| model.p_seen(view, *x));
+        views.iter().map(|views| 1.0 - seen(views)).product::<f64>()
     };
     let expected = 1.0 - cells.iter().map(missed).sum::<f64>() / cells.len() as f64;
     let got = script.agents[1].filter().cumulative_detection();
@@ -340,16 +354,10 @@ fn with_errors(pose: &Pose, e: [f64; 6]) -> Pose {
 }
 
 /// (10): the image point of a place on the ground.
-pub fn image_of(camera: &CameraModel, pose: &Pose, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
-    camera.at(pose).project(&Vector3::new(x, y, 0.0))
+pub fn image_of(camera: &CameraModel, pose: &Pose, x: [f64; 2]) -> Option<[f64; 2]> {
+    image_in(&camera.at(pose), x)
 }
 
-fn ground_point(camera: &CameraModel, pose: &Pose, [c, r]: [f64; 2]) -> Option<[f64; 2]> {
-    camera.at(pose).ground_point(c, r)
-}
-
-/// A standard normal number (Box and Muller).
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    let radius = (-2.0 * (1.0 - rng.random::<f64>()).ln()).sqrt();
-    radius * (std::f64::consts::TAU * rng.random::<f64>()).cos()
+fn image_in(view: &CameraView, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    view.project(&Vector3::new(x, y, 0.0))
 }

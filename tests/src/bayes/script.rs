@@ -49,21 +49,24 @@ pub struct Script {
 impl Script {
     /// For a target that stands.
     pub fn new(kind: BeliefKind, cell_m: f64) -> Self {
-        Self::of(tisdale(), kind, cell_m)
+        Self::of(false, |tables| (tables.belief.kind, tables.belief.cell_m) = (kind, cell_m))
     }
 
     /// For a target that walks.
     pub fn walking(kind: BeliefKind, cell_m: f64) -> Self {
-        let mut scenario = tisdale();
-        scenario.targets.driving = Driving::RandomWalk;
-        scenario.targets.walk_m_sqrt_s = 2.0;
-        Self::of(scenario, kind, cell_m)
+        Self::of(true, |tables| (tables.belief.kind, tables.belief.cell_m) = (kind, cell_m))
     }
 
-    fn of(mut scenario: Scenario, kind: BeliefKind, cell_m: f64) -> Self {
+    /// For a target that stands or walks, with changes to the mission's own tables.
+    pub fn of(walks: bool, adapt: impl FnOnce(&mut Tables)) -> Self {
+        let mut scenario = tisdale();
+        if walks {
+            scenario.targets.driving = Driving::RandomWalk;
+            scenario.targets.walk_m_sqrt_s = 2.0;
+        }
         scenario.map.size_m = [200.0; 2];
         let mut tables = Tables::default();
-        (tables.belief.kind, tables.belief.cell_m) = (kind, cell_m);
+        adapt(&mut tables);
         // Attitudes are nearly as bad as positions.
         tables.pose.sigma = [6.0, 5.0, 4.0, 0.01, 0.05, 0.05];
         tables.detector.p_false = 0.01;

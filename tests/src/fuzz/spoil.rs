@@ -96,7 +96,7 @@ fn spoil_fact(fact: &mut Fact, rng: &mut ChaCha8Rng) {
 }
 
 /// Small, middling and large numbers, all likely.
-fn any_up_to(max: u32, rng: &mut ChaCha8Rng) -> u32 {
+pub(super) fn any_up_to(max: u32, rng: &mut ChaCha8Rng) -> u32 {
     let some = rng.random::<u32>() >> rng.random_range(0..32);
     if rng.random_bool(0.2) { max - some.min(max) } else { some.min(max) }
 }

@@ -2,6 +2,7 @@
 
 use csat_agent::config::{EstimatorConfig, ExchangeMode, Schedule};
 use csat_experiments::scenario::Scenario;
+use csat_experiments::set_membership::SetMembership;
 use csat_netem::config::{
     DelayConfig, JammerConfig, LossConfig, NetemConfig, OutageConfig, OutageKind, PartitionConfig,
     RateConfig,
@@ -10,8 +11,8 @@ use csat_proto::model::{Driving, Station};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::Exercise;
-use super::faulty::{Faulty, Handicap};
+use super::{Exercise, Handicapped};
+use crate::faulty::Handicap;
 use crate::missions::{small, world_of};
 
 /// Steps with faults.
@@ -63,8 +64,9 @@ impl Draw {
     }
 
     /// The mission, with the handicaps of its agents.
-    pub fn mission(&self) -> Faulty {
-        Faulty::new(&self.scenario, self.handicaps.clone())
+    pub fn mission(&self) -> Handicapped {
+        let mission = SetMembership::new(&self.scenario);
+        Handicapped::new(mission, self.scenario.run.period_s, self.handicaps.clone())
     }
 
     /// What the seed exercises, by its draw.

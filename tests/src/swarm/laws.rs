@@ -14,8 +14,7 @@ use csat_proto::time::Step;
 
 use super::claims::Claims;
 use super::draw::Draw;
-use super::faulty::Faulty;
-use super::{Exercise, Swarm, merge};
+use super::{Exercise, Handicapped, Swarm, merge};
 
 /// Identity of a message: sender, incarnation, radio, number.
 type Identity = (AgentId, Incarnation, ChannelId, u64);
@@ -43,7 +42,7 @@ pub struct Laws {
 }
 
 /// What happened in a step.
-pub type Trace = StepTrace<Faulty>;
+pub type Trace = StepTrace<Handicapped>;
 
 impl Laws {
     /// The state before the first step.

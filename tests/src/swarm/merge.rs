@@ -12,8 +12,7 @@ use csat_proto::agent::FIRST_ANSWER;
 use csat_proto::envelope::Envelope;
 use csat_proto::message::Message;
 
-use super::Swarm;
-use super::faulty::Faulty;
+use super::{Handicapped, Swarm};
 use crate::geometry::difference_m2;
 
 /// The difference that rounding may make, m².
@@ -21,7 +20,7 @@ const ROUNDING_M2: f64 = 1e-3;
 
 /// In every third step, takes one agent after the other and merges the first two messages it received
 /// in both orders, and one of them again. Returns how many pairs were merged.
-pub fn check(engine: &Swarm, trace: &StepTrace<Faulty>) -> Result<u64, String> {
+pub fn check(engine: &Swarm, trace: &StepTrace<Handicapped>) -> Result<u64, String> {
     if !trace.step.0.is_multiple_of(3) {
         return Ok(0);
     }

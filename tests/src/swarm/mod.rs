@@ -5,7 +5,6 @@
 //! | module | what it does |
 //! |---|---|
 //! | [`draw`] | from a seed to a scenario |
-//! | [`faulty`] | agents whose clocks are ahead and which miss frames |
 //! | `laws` | the laws that hold at every step |
 //! | `claims` | agents claim to hold only facts that they received |
 //! | `merge` | the laws of merging, on the knowledge and messages of the mission |
@@ -14,24 +13,27 @@
 mod claims;
 mod converge;
 pub mod draw;
-pub mod faulty;
 mod laws;
 mod merge;
 
+use csat_experiments::set_membership::SetMembership;
 use csat_mission::engine::Engine;
 
+use crate::faulty::Faulty;
 use crate::missions::world_of;
 use crate::replay::caught;
 use converge::Settling;
 use draw::Draw;
-use faulty::Faulty;
 use laws::Laws;
 
 /// Steps in which messages in flight may arrive after the core was healed.
 const DRAIN_STEPS: u32 = 40;
 
+/// The mission of the swarm.
+pub(crate) type Handicapped = Faulty<SetMembership>;
+
 /// A running mission of the swarm.
-pub(crate) type Swarm = Engine<Faulty>;
+pub(crate) type Swarm = Engine<Handicapped>;
 
 /// What a seed exercised, to check that the swarm tests enough.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -13,8 +13,8 @@ use crate::mutant::{Mutant, is_on};
 /// A set of factors that only grows.
 ///
 /// An aircraft has one frame per step, and a later incarnation may have the frame of that step again. What
-/// exceeds this is refused, and so is the 65th incarnation of an aircraft: memory is bounded by the steps of the
-/// mission.
+/// others say in excess of this is refused, and so is the 64th incarnation of an aircraft: memory is bounded by the
+/// steps of the mission. There is always room for what the agent states itself.
 #[derive(Debug, Clone, Default)]
 pub struct FactorSet {
     factors: BTreeMap<FactorId, Factor>,
@@ -32,7 +32,16 @@ impl FactorSet {
         Self::default()
     }
 
-    /// Adds a factor. `false` if one of the same id is held, which stays, or if there are too many of its
+    /// Adds a factor of the agent itself. Its identity is new: nobody else can state it.
+    pub fn state(&mut self, factor: Factor) {
+        let id = factor.id;
+        self.numbers.entry((id.source, id.incarnation)).or_default().insert(id.number);
+        *self.counts.entry(id.source).or_default() += 1;
+        self.order.insert((factor.step, id));
+        self.factors.insert(id, factor);
+    }
+
+    /// Adds a factor of anyone. `false` if one of the same id is held, which stays, or if there are too many of its
     /// aircraft.
     pub fn insert(&mut self, factor: Factor) -> bool {
         let id = factor.id;
@@ -47,10 +56,7 @@ impl FactorSet {
             self.refused += 1;
             return false;
         }
-        self.numbers.entry((id.source, id.incarnation)).or_default().insert(id.number);
-        *self.counts.entry(id.source).or_default() += 1;
-        self.order.insert((factor.step, id));
-        self.factors.insert(id, factor);
+        self.state(factor);
         true
     }
 
@@ -58,7 +64,9 @@ impl FactorSet {
         let FactorId { source, incarnation, number } = factor.id;
         let all = (source, Incarnation(0))..=(source, Incarnation(u32::MAX));
         let is_known = self.numbers.contains_key(&(source, incarnation));
-        if number == u32::MAX || !is_known && self.numbers.range(all).count() >= MAX_INCARNATIONS {
+        // The last one is for the incarnation of the agent itself.
+        let is_full = self.numbers.range(all).count() >= MAX_INCARNATIONS - 1;
+        if number == u32::MAX || !is_known && is_full {
             return false;
         }
         let latest = self.order.last().map_or(factor.step, |(step, _)| factor.step.max(*step));
@@ -168,7 +176,12 @@ mod tests {
         (0..1000).for_each(|incarnation| {
             set.insert(Factor { step: Step(999), ..factor(0, incarnation, 0) });
         });
-        assert_eq!(set.held().0.len(), MAX_INCARNATIONS);
+        assert_eq!(set.held().0.len(), MAX_INCARNATIONS - 1);
+        set.state(factor(0, 1000, 0));
+        assert!(
+            set.holds(factor(0, 1000, 0).id) && set.held().is_sane(1, 999),
+            "there is room for own ones"
+        );
         assert!(!set.insert(factor(1, 0, u32::MAX)));
     }
 }

@@ -69,6 +69,8 @@ pub struct Received {
     pub pose: Pose,
     /// Factors of aircraft, stated by any incarnation and known already or not.
     pub factors: Vec<Factor>,
+    /// Why other factors of the message are not believed.
+    pub dropped: Vec<Rejection>,
     /// Where it will be.
     pub plan: Plan,
     /// What it believes.
@@ -313,22 +315,28 @@ impl Exchange {
         Some(self.outbox.answer(stamp, &message))
     }
 
-    /// Checks a message that arrived at step `now`, and remembers what its sender holds.
+    /// Checks a message that arrived at step `now`, and remembers what its sender holds. Factors that were forged in
+    /// the name of this agent are dropped; others believed and relayed them, so the rest of the message is believed.
     ///
     /// # Errors
     /// Why it is not believed; then nothing has changed.
     pub fn receive(&mut self, now: Step, bytes: &[u8]) -> Result<Received, Rejection> {
         let envelope = Envelope::decode(bytes)?;
-        let Message { held, factors, plan, belief } =
-            validate::check(&self.config, now, self.stated, &envelope)?;
+        let Message { held, mut factors, plan, belief } =
+            validate::check(&self.config, now, &envelope)?;
         let Envelope { src: from, incarnation, step, pose, .. } = envelope;
         let known = self.repair.incarnation(from).unwrap_or_default();
         if incarnation < known && !is_on(Mutant::OldLivesBelieved) {
             return Err(Rejection::Incarnation { got: incarnation.0, known: known.0 });
         }
+        let mut dropped = Vec::new();
+        factors.retain(|factor| {
+            let checked = validate::check_own(&self.config, self.stated, factor);
+            checked.map_err(|forged| dropped.push(forged)).is_ok()
+        });
         self.repair.hear(now, from, incarnation, step, held);
         self.repair.note(now, factors.iter().map(|factor| factor.id));
-        Ok(Received { from, incarnation, step, pose, factors, plan, belief })
+        Ok(Received { from, incarnation, step, pose, factors, dropped, plan, belief })
     }
 
     /// The next message to send.

@@ -23,7 +23,7 @@ const MAX_SENDER_M: f64 = 1e6;
 /// The most steps between two poses of a plan.
 const MAX_PLAN_PERIOD: u32 = 10_000;
 
-/// Why a message is not believed.
+/// Why a message, or one factor of it, is not believed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Rejection {
     /// The envelope is damaged, or not one of csat.
@@ -185,16 +185,12 @@ impl Rejection {
     }
 }
 
-/// Checks header and body of a message that arrived at step `now`, for an agent that stated `stated` factors.
+/// Checks header and body of a message that arrived at step `now`: all that does not depend on what the receiver
+/// stated itself.
 ///
 /// # Errors
 /// The first check that fails.
-pub fn check(
-    config: &AgentConfig,
-    now: Step,
-    stated: u32,
-    envelope: &Envelope,
-) -> Result<Message, Rejection> {
+pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Message, Rejection> {
     check_header(config, now, envelope)?;
     let message: Message = decode_whole(&envelope.body).ok_or(Rejection::Malformed)?;
     let step = envelope.step;
@@ -204,7 +200,6 @@ pub fn check(
     }
     for factor in &message.factors {
         check_factor(config, step, factor)?;
-        check_own(config, stated, factor)?;
     }
     message.held.as_ref().map_or(Ok(()), |held| check_held(config, step, held))?;
     check_plan(config, step, &message.plan)?;
@@ -287,7 +282,12 @@ pub fn check_pose(config: &AgentConfig, pose: &ReportedPose) -> Result<(), Rejec
     if is_valid { Ok(()) } else { Err(Rejection::Pose { p_world, angles_rad }) }
 }
 
-fn check_own(config: &AgentConfig, stated: u32, factor: &Factor) -> Result<(), Rejection> {
+/// Checks that a factor was not forged in the name of the receiver, which stated `stated` factors. Only the receiver
+/// can know: others believe such a factor and relay it, so the rest of their message is honest.
+///
+/// # Errors
+/// [`Rejection::Forged`] if it was.
+pub fn check_own(config: &AgentConfig, stated: u32, factor: &Factor) -> Result<(), Rejection> {
     let (id, own) = (factor.id, config.incarnation);
     let is_earlier = id.incarnation < own || id.incarnation == own && id.number < stated;
     if id.source != config.id || is_earlier {

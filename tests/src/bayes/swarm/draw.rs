@@ -5,11 +5,14 @@ use csat_flight::scenario::Scenario;
 use csat_netem::config::{
     DelayConfig, LossConfig, NetemConfig, OutageConfig, OutageKind, PartitionConfig,
 };
+use csat_proto::ids::AgentId;
 use csat_proto::model::{Driving, StartPose, Station};
+use csat_proto::time::Step;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::bayes::missions::{Tables, tisdale, with_tables};
+use crate::faulty::Handicap;
 
 /// The mission of a seed.
 #[derive(Debug, Clone)]
@@ -20,8 +23,10 @@ pub struct Draw {
     pub tables: Tables,
     /// The step at which all links become perfect.
     pub heal_at: u32,
-    /// Whether links are perfect from the start.
+    /// Whether links are perfect from the start, and no frame is missed.
     pub is_perfect: bool,
+    /// The frames that each agent misses, by index.
+    pub handicaps: Vec<Handicap>,
 }
 
 impl Draw {
@@ -44,8 +49,15 @@ impl Draw {
             let agents = scenario.agent_count();
             links(&mut scenario.netem, agents, end_s, &mut rng);
         }
+        let agents = if is_perfect { 0 } else { scenario.agent_count() };
+        let handicaps = (0..agents).map(|_| handicap(heal_at, &mut rng)).collect();
         let scenario = with_tables(scenario, &tables);
-        Self { scenario, tables, heal_at, is_perfect }
+        Self { scenario, tables, heal_at, is_perfect, handicaps }
+    }
+
+    /// Whether an agent misses the frame of a step.
+    pub fn misses(&self, id: AgentId, step: Step) -> bool {
+        self.handicaps.get(usize::from(id.0)).is_some_and(|handicap| handicap.misses(step))
     }
 
     /// Whether agents tell all factors that they state, at once.
@@ -191,6 +203,16 @@ fn outages(netem: &mut NetemConfig, agents: u16, end_s: f64, rng: &mut ChaCha8Rn
             }
         }
     }
+}
+
+/// Frames that an agent misses before step `end`, often none.
+fn handicap(end: u32, rng: &mut ChaCha8Rng) -> Handicap {
+    let gaps = if rng.random_bool(0.3) { rng.random_range(1..6) } else { 0 };
+    let gap = |_| {
+        let from = rng.random_range(0..end);
+        from..(from + rng.random_range(1..=20)).min(end)
+    };
+    Handicap { ahead: 0, missed: (0..gaps).map(gap).collect() }
 }
 
 /// 0 half of the time.

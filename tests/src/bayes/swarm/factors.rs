@@ -25,6 +25,8 @@ pub struct Ledger {
 #[derive(Debug, Default)]
 struct Life {
     incarnation: Incarnation,
+    /// The step of the newest frame that it did not miss.
+    step: Step,
     /// How many factors it stated.
     stated: u32,
     /// What it has to hold.
@@ -35,11 +37,9 @@ struct Life {
     rejected: BTreeMap<String, u64>,
 }
 
-/// What decides whether an agent believes a message.
+/// What decides for how long agents believe a message.
 #[derive(Debug, Clone, Copy)]
 pub struct Now {
-    /// The step.
-    pub step: Step,
     /// Seconds between steps.
     pub period_s: f64,
     /// `exchange.max_age_s`.
@@ -53,7 +53,7 @@ impl Ledger {
         self.lives.insert(agent, Life { incarnation, ..Life::default() });
     }
 
-    /// A UAV stated the factor of its frame of this step, taken at `reported`; a station none.
+    /// An agent did not miss a step: a UAV stated the factor of its frame, taken at `reported`; a station none.
     ///
     /// # Errors
     /// It is not that factor, or its identity was used before.
@@ -66,7 +66,7 @@ impl Ledger {
         reported: &Pose,
     ) -> Result<bool, String> {
         let life = self.lives.entry(id).or_default();
-        life.incarnation = incarnation;
+        (life.incarnation, life.step) = (incarnation, step);
         if agent.config().is_station() {
             return match agent.own_factor() {
                 Some(own) => Err(format!("station {id} states {own:?}")),
@@ -107,7 +107,12 @@ impl Ledger {
             }
         };
         let Envelope { src, incarnation, step, .. } = envelope;
-        let age_s = f64::from(now.step.0.saturating_sub(step.0)) * now.period_s;
+        if step > life.step.after(1) {
+            exercise.ahead += 1;
+            reject("future");
+            return Ok(());
+        }
+        let age_s = f64::from(life.step.0.saturating_sub(step.0)) * now.period_s;
         if age_s > now.max_age_s {
             exercise.old += 1;
             reject("too-old");

@@ -4,10 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use csat_bayes::agent::{BayesAgent, Event};
 use csat_bayes::config::BeliefKind;
-use csat_bayes::factor::FactorId;
+use csat_bayes::factor::{Factor, FactorId};
 use csat_bayes::likelihood::{Likelihood, Sensor};
 use csat_bayes::search_map::CELL_M;
-use csat_flight::bayes::Bayes;
 use csat_mission::engine::{LifeEvent, StepTrace};
 use csat_mission::node::Node;
 use csat_proto::ids::AgentId;
@@ -16,14 +15,14 @@ use csat_proto::raster::Grid;
 
 use super::draw::Draw;
 use super::factors::{Ledger, Now};
-use super::{Exercise, Swarm};
+use super::{Exercise, Handicapped, Swarm};
 
 /// Allowed difference of ln of a density and the product of factors, relative to the largest sum of logarithms
 /// on the way, at least to 1.
 const TOLERANCE: f64 = 1e-9;
 
 /// What happened in a step.
-pub type Trace = StepTrace<Bayes>;
+pub type Trace = StepTrace<Handicapped>;
 
 /// Checks one mission.
 pub struct Laws<'a> {
@@ -74,7 +73,7 @@ impl<'a> Laws<'a> {
         }
         self.check_factors(engine, trace)?;
         for (id, node) in alive(engine) {
-            self.check_product(id, &node.agent)?;
+            self.check_product(id, &node.agent.inner)?;
         }
         self.check_equal(engine, trace)
     }
@@ -83,13 +82,17 @@ impl<'a> Laws<'a> {
     fn check_factors(&mut self, engine: &Swarm, trace: &Trace) -> Result<(), String> {
         let reported = engine.world().reported_poses();
         for (id, node) in alive(engine) {
+            if self.draw.misses(id, trace.step) {
+                self.exercise.missed += 1;
+                continue;
+            }
             let pose = reported.get(usize::from(id.0)).copied().unwrap_or_default();
             let incarnation = node.incarnation();
-            let is_seen = self.ledger.state(id, incarnation, &node.agent, trace.step, &pose)?;
+            let is_seen =
+                self.ledger.state(id, incarnation, &node.agent.inner, trace.step, &pose)?;
             self.exercise.sightings += u64::from(is_seen);
         }
         let now = Now {
-            step: trace.step,
             period_s: self.draw.scenario.run.period_s,
             max_age_s: self.draw.tables.exchange.max_age_s,
         };
@@ -104,7 +107,7 @@ impl<'a> Laws<'a> {
                 self.ledger.hear(arrival, now, &mut self.exercise)?;
             }
         }
-        alive(engine).try_for_each(|(id, node)| self.ledger.check(id, &node.agent))
+        alive(engine).try_for_each(|(id, node)| self.ledger.check(id, &node.agent.inner))
     }
 
     /// The belief of an agent is the product of the factors that it holds.
@@ -117,8 +120,11 @@ impl<'a> Laws<'a> {
             let new = || Likelihood::new(&sensor, factor);
             self.likelihoods.entry(factor.id).or_insert_with(new);
         }
+        // An agent that missed a frame holds factors of steps to which its belief has not come.
+        let is_applied = |factor: &&Factor| factor.step <= agent.filter().step();
+        let applied = agent.factors().iter().filter(is_applied);
         let held: Vec<&Likelihood> =
-            agent.factors().iter().filter_map(|factor| self.likelihoods.get(&factor.id)).collect();
+            applied.filter_map(|factor| self.likelihoods.get(&factor.id)).collect();
         let belief = agent.filter().belief();
         let mut first = None;
         for place in places(agent) {
@@ -151,7 +157,7 @@ impl<'a> Laws<'a> {
         }
         let uavs = self.draw.scenario.agents.count;
         for (id, node) in alive(engine) {
-            let of_now = node.agent.factors().since(trace.step).count();
+            let of_now = node.agent.inner.factors().since(trace.step).count();
             if of_now != usize::from(uavs) {
                 return Err(format!("agent {id} holds {of_now} factors of this step"));
             }
@@ -162,8 +168,8 @@ impl<'a> Laws<'a> {
         }
         let all = usize::from(uavs) * (trace.step.0 as usize + 1);
         let mut bits = alive(engine).map(|(id, node)| {
-            let count = node.agent.factors().len();
-            let filter = node.agent.filter();
+            let count = node.agent.inner.factors().len();
+            let filter = node.agent.inner.filter();
             let mut bits = vec![filter.cumulative_detection().to_bits()];
             if self.draw.tables.belief.kind != BeliefKind::Particles {
                 filter.belief().numbers(&mut |x| bits.push(x.to_bits()));
@@ -185,7 +191,7 @@ impl<'a> Laws<'a> {
     /// # Errors
     /// Agents that have to hold the same do not.
     pub fn finish(mut self, engine: &Swarm) -> Result<Exercise, String> {
-        alive(engine).try_for_each(|(id, node)| self.check_detection(id, &node.agent))?;
+        alive(engine).try_for_each(|(id, node)| self.check_detection(id, &node.agent.inner))?;
         if self.draw.must_converge() {
             self.check_converged(engine)?;
             self.exercise.converged = u64::from(!self.draw.is_perfect);
@@ -245,7 +251,7 @@ impl<'a> Laws<'a> {
     }
 }
 
-fn alive(engine: &Swarm) -> impl Iterator<Item = (AgentId, &Node<Bayes>)> {
+fn alive(engine: &Swarm) -> impl Iterator<Item = (AgentId, &Node<Handicapped>)> {
     (0..).map(AgentId).zip(engine.nodes()).filter(|(_, node)| node.is_alive())
 }
 

@@ -1,6 +1,6 @@
-//! The swarm of the Bayesian search: from one seed a short mission, links with any mixture of faults, crashes
-//! and restarts; at every step all laws are checked. For the last third the links are perfect, and in the end
-//! all agents have to hold the same factors.
+//! The swarm of the Bayesian search: from one seed a short mission, links with any mixture of faults, crashes,
+//! restarts and missed frames; at every step all laws are checked. For the last third the links are perfect and no
+//! frame is missed, and in the end all agents have to hold the same factors.
 //!
 //! | module | what it does |
 //! |---|---|
@@ -17,13 +17,17 @@ use csat_flight::scenario::missions::Offered;
 use csat_mission::engine::Engine;
 use csat_netem::config::NetemConfig;
 
+use crate::faulty::Faulty;
 use crate::missions::world_of;
 use crate::replay::caught;
 use draw::Draw;
 use laws::Laws;
 
+/// The mission of the swarm.
+pub(crate) type Handicapped = Faulty<Bayes>;
+
 /// A running mission of the swarm.
-pub(crate) type Swarm = Engine<Bayes>;
+pub(crate) type Swarm = Engine<Handicapped>;
 
 /// What seeds exercised, to check that the swarm tests enough.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -46,6 +50,10 @@ pub struct Exercise {
     pub stale: u64,
     /// Messages that were too old.
     pub old: u64,
+    /// Frames that agents missed.
+    pub missed: u64,
+    /// Messages of steps that their receivers had not come to.
+    pub ahead: u64,
     /// Factors that arrived again.
     pub repeated: u64,
     /// Factors that their source did not send itself.
@@ -81,6 +89,8 @@ impl Exercise {
             crashes: self.crashes + other.crashes,
             stale: self.stale + other.stale,
             old: self.old + other.old,
+            missed: self.missed + other.missed,
+            ahead: self.ahead + other.ahead,
             repeated: self.repeated + other.repeated,
             relayed: self.relayed + other.relayed,
             sightings: self.sightings + other.sightings,
@@ -107,7 +117,9 @@ pub fn fly(seed: u64) -> Result<Exercise, String> {
 fn fly_drawn(draw: &Draw) -> Result<Exercise, String> {
     let Draw { scenario, heal_at, .. } = draw;
     let world = world_of(scenario).map_err(|e| format!("no world: {e}"))?;
-    let mut engine = Engine::new(Bayes::of(scenario), world, &scenario.netem, scenario.seed);
+    let mission =
+        Handicapped::new(Bayes::of(scenario), scenario.run.period_s, draw.handicaps.clone());
+    let mut engine = Engine::new(mission, world, &scenario.netem, scenario.seed);
     let mut laws = Laws::new(draw);
     for step in 0..=scenario.steps() {
         if step == *heal_at {

@@ -235,6 +235,27 @@ fn plans_take_a_part_of_a_budget() {
 }
 
 #[test]
+fn a_forged_factor_that_others_relay_does_not_silence_them() {
+    let mut fleet = peers(&[0, 1, 2], |_| {});
+    fly(&mut fleet[1..], 0..10, |_, _, _| true);
+    fly(&mut fleet, 10..50, |_, _, _| true);
+    // Agent 0 missed ten frames and has not stated its factor 45 yet, but agent 1 was told of one.
+    let forged = Factor { sighting: Some([3.0, 4.0]), ..factor(0, 0, 45) };
+    fleet[1].set.insert(forged);
+    fly(&mut fleet, 50..54, |_, _, _| true);
+    assert_eq!(fleet[2].set.get(forged.id), Some(&forged), "agent 1 relays it");
+    assert!(!fleet[0].set.holds(forged.id) && fleet[0].holds(54).len() == 44 + 2 * 54);
+    let relayed = |sent: &&Transmit| decoded(sent).factors.contains(&forged);
+    let bytes = fleet[1].sent.iter().find(relayed).unwrap().bytes.clone();
+    let received = fleet[0].hear(54, &bytes).unwrap();
+    let forgery = Rejection::Forged { incarnation: 0, number: 45, stated: 44 };
+    assert_eq!((received.factors.len(), received.dropped), (1, vec![forgery]));
+    fly(&mut fleet, 54..60, |_, _, _| true);
+    let own = fleet[0].set.get(forged.id).unwrap();
+    assert_eq!((own.step, own.sighting), (Step(55), None));
+}
+
+#[test]
 fn a_belief_waits_for_its_bytes() {
     let mut config = config(0);
     config.exchange.mode = ExchangeMode::Snapshot;

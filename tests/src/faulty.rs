@@ -1,4 +1,4 @@
-//! Agents whose clocks are ahead and which miss frames: the set-membership mission with both.
+//! Agents whose clocks are ahead and which miss frames: any mission with both.
 //!
 //! In real time a process without enough processor time handles the newest frame only and misses
 //! those before, and clocks differ by up to `exchange.clock_skew_s`. Neither occurs in virtual time,
@@ -6,21 +6,16 @@
 
 use std::ops::Range;
 
-use csat_agent::agent::{Event, SetMembershipAgent};
-use csat_experiments::scenario::Scenario;
-use csat_experiments::set_membership::SetMembership;
-use csat_experiments::set_membership::judge::Containment;
-use csat_experiments::set_membership::report::Report;
 use csat_mission::judge::{Judge, Judged, Truth};
 use csat_mission::measures::{Measures, Values};
 use csat_mission::mission::{self, Detail, Kind, Mission, Tally};
 use csat_proto::agent::{Agent, Transmit};
 use csat_proto::camera::{CameraModel, Pose};
-use csat_proto::command::Command;
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::radio::Reception;
 use csat_proto::time::{SimTime, Step};
+use csat_world::sensor::SensorModel;
 use csat_world::world::World;
 use serde::{Deserialize, Serialize};
 
@@ -33,30 +28,37 @@ pub struct Handicap {
     pub missed: Vec<Range<u32>>,
 }
 
-/// The mission with a handicap for each agent, by index.
+impl Handicap {
+    /// Whether it misses the frame of a step of the world.
+    pub fn misses(&self, step: Step) -> bool {
+        self.missed.iter().any(|steps| steps.contains(&step.0))
+    }
+}
+
+/// A mission with a handicap for each agent, by index.
 #[derive(Debug, Clone)]
-pub struct Faulty {
-    mission: SetMembership,
+pub struct Faulty<M> {
+    mission: M,
     period_s: f64,
     handicaps: Vec<Handicap>,
 }
 
-impl Faulty {
-    /// The mission of `scenario` with these handicaps.
-    pub fn new(scenario: &Scenario, handicaps: Vec<Handicap>) -> Self {
-        Self { mission: SetMembership::new(scenario), period_s: scenario.run.period_s, handicaps }
+impl<M: Mission> Faulty<M> {
+    /// A mission whose steps take `period_s`, with these handicaps.
+    pub fn new(mission: M, period_s: f64, handicaps: Vec<Handicap>) -> Self {
+        Self { mission, period_s, handicaps }
     }
 }
 
 /// An agent with a handicap.
-pub struct FaultyAgent {
+pub struct FaultyAgent<A> {
     /// The agent.
-    pub inner: SetMembershipAgent,
+    pub inner: A,
     handicap: Handicap,
     ahead_s: f64,
 }
 
-impl FaultyAgent {
+impl<A> FaultyAgent<A> {
     /// The agent's clock when the world's shows `now`.
     fn own(&self, now: SimTime) -> SimTime {
         now.after(self.ahead_s)
@@ -64,14 +66,13 @@ impl FaultyAgent {
 
     /// The agent's step when the world's is `step`; `None` if it misses that frame.
     fn noticed(&self, step: Step) -> Option<Step> {
-        let is_missed = self.handicap.missed.iter().any(|steps| steps.contains(&step.0));
-        (!is_missed).then(|| step.after(self.handicap.ahead))
+        (!self.handicap.misses(step)).then(|| step.after(self.handicap.ahead))
     }
 }
 
-impl Agent for FaultyAgent {
-    type Command = Command;
-    type Event = Event;
+impl<A: Agent> Agent for FaultyAgent<A> {
+    type Command = A::Command;
+    type Event = A::Event;
 
     fn handle_frame(&mut self, now: SimTime, frame: &Frame) {
         if let Some(step) = self.noticed(frame.step) {
@@ -101,11 +102,11 @@ impl Agent for FaultyAgent {
         self.inner.answer(self.own(now))
     }
 
-    fn poll_command(&mut self) -> Option<Command> {
+    fn poll_command(&mut self) -> Option<A::Command> {
         self.inner.poll_command()
     }
 
-    fn poll_event(&mut self) -> Option<Event> {
+    fn poll_event(&mut self) -> Option<A::Event> {
         self.inner.poll_event()
     }
 
@@ -121,40 +122,40 @@ impl Agent for FaultyAgent {
 
 /// A report, and by how many steps the clock of its agent is ahead.
 #[derive(Debug, Serialize, Deserialize)]
-pub struct FaultyReport {
+pub struct FaultyReport<R> {
     /// The report of the agent.
-    pub inner: Report,
+    pub inner: R,
     ahead: u32,
 }
 
-impl mission::Report for FaultyReport {
+impl<R: mission::Report> mission::Report for FaultyReport<R> {
     /// The world's step. An agent that has seen no frame knows what holds at the start.
     fn step(&self) -> Step {
-        Step(self.inner.step.0.saturating_sub(self.ahead))
+        Step(self.inner.step().0.saturating_sub(self.ahead))
     }
 
     fn pose(&self) -> &Pose {
-        &self.inner.pose
+        self.inner.pose()
     }
 
     fn planned(&self) -> &[Pose] {
-        &self.inner.planned
+        self.inner.planned()
     }
 
     fn tally(&self) -> &Tally {
-        &self.inner.tally
+        self.inner.tally()
     }
 }
 
-impl Mission for Faulty {
-    type Agent = FaultyAgent;
-    type Report = FaultyReport;
-    type Judge = Self;
-    type Measures = Self;
+impl<M: Mission> Mission for Faulty<M> {
+    type Agent = FaultyAgent<M::Agent>;
+    type Report = FaultyReport<M::Report>;
+    type Judge = FaultyJudge<M::Judge>;
+    type Measures = Unmeasured;
 
-    const KIND: Kind = Kind { columns: &[], ..SetMembership::KIND };
+    const KIND: Kind = Kind { columns: &[], ..M::KIND };
 
-    fn agent(&self, id: AgentId, incarnation: Incarnation) -> FaultyAgent {
+    fn agent(&self, id: AgentId, incarnation: Incarnation) -> FaultyAgent<M::Agent> {
         let handicap = self.handicaps.get(usize::from(id.0)).cloned().unwrap_or_default();
         let ahead_s = f64::from(handicap.ahead) * self.period_s;
         FaultyAgent { inner: self.mission.agent(id, incarnation), handicap, ahead_s }
@@ -164,41 +165,55 @@ impl Mission for Faulty {
         self.mission.camera(id)
     }
 
-    fn report(&self, agent: &mut FaultyAgent, pose: &Pose, detail: Detail) -> FaultyReport {
+    fn sensor(&self, id: AgentId) -> Option<SensorModel> {
+        self.mission.sensor(id)
+    }
+
+    fn report(
+        &self,
+        agent: &mut FaultyAgent<M::Agent>,
+        pose: &Pose,
+        detail: Detail,
+    ) -> FaultyReport<M::Report> {
         let inner = self.mission.report(&mut agent.inner, pose, detail);
         FaultyReport { inner, ahead: agent.handicap.ahead }
     }
 
-    fn judge(&self, _: &World) -> Faulty {
-        self.clone()
+    fn judge(&self, world: &World) -> FaultyJudge<M::Judge> {
+        FaultyJudge(self.mission.judge(world))
     }
 
-    fn measures(&self) -> Faulty {
-        self.clone()
+    fn measures(&self) -> Unmeasured {
+        Unmeasured
     }
 
-    fn footprint(&self, report: &FaultyReport) -> Vec<[f64; 2]> {
+    fn footprint(&self, report: &FaultyReport<M::Report>) -> Vec<[f64; 2]> {
         self.mission.footprint(&report.inner)
     }
 
-    fn is_inconsistency(&self, event: &Event) -> bool {
+    fn is_inconsistency(&self, event: &<M::Agent as Agent>::Event) -> bool {
         self.mission.is_inconsistency(event)
     }
 }
 
-impl Judge<FaultyReport> for Faulty {
-    fn judge(&mut self, agent: AgentId, report: &FaultyReport, truth: &Truth<'_>) -> Judged {
-        Containment.judge(agent, &report.inner, truth)
+/// The judge of the mission.
+pub struct FaultyJudge<J>(J);
+
+impl<R, J: Judge<R>> Judge<FaultyReport<R>> for FaultyJudge<J> {
+    fn judge(&mut self, agent: AgentId, report: &FaultyReport<R>, truth: &Truth<'_>) -> Judged {
+        self.0.judge(agent, &report.inner, truth)
     }
 }
 
-/// The swarm measures nothing.
-impl Measures<FaultyReport> for Faulty {
-    fn fleet(&mut self, _: &[&FaultyReport], _: &[[f64; 2]]) -> Values {
+/// The swarms measure nothing.
+pub struct Unmeasured;
+
+impl<R> Measures<R> for Unmeasured {
+    fn fleet(&mut self, _: &[&R], _: &[[f64; 2]]) -> Values {
         Values::new()
     }
 
-    fn agent(&self, _: &FaultyReport, _: &[[f64; 2]]) -> Values {
+    fn agent(&self, _: &R, _: &[[f64; 2]]) -> Values {
         Values::new()
     }
 }
