@@ -15,16 +15,16 @@ pub struct ClearingMeasures {
     pixel_m: f64,
     /// What each life counted, up to its last report.
     counters: BTreeMap<(AgentId, Incarnation), Counters>,
-    /// Where each UAV was, and the length of its path.
-    paths: BTreeMap<AgentId, ([f64; 3], f64)>,
     /// The same up to the report before.
     before: BTreeMap<(AgentId, Incarnation), Counters>,
+    /// Where each UAV was, and the length of its path, metres.
+    paths: BTreeMap<AgentId, ([f64; 3], f64)>,
 }
 
 impl ClearingMeasures {
     /// Before the first step.
     pub fn new(pixel_m: f64) -> Self {
-        Self { pixel_m, counters: BTreeMap::new(), paths: BTreeMap::new(), before: BTreeMap::new() }
+        Self { pixel_m, counters: BTreeMap::new(), before: BTreeMap::new(), paths: BTreeMap::new() }
     }
 
     fn sum(&self, count: impl Fn(&Counters) -> u32) -> Option<f64> {
