@@ -90,12 +90,13 @@ impl Maps {
     /// What there is to draw of `agent`, which cleared `trail` so far.
     pub fn of(agent: &ClearingAgent, trail: Cells) -> Self {
         let masks = agent.masks();
-        let nothing = || Bitmap::new(0, 0);
+        let frontier = agent.frontier().clone();
+        let nothing = || Bitmap::new(frontier.rows(), frontier.columns());
         Self {
             trail,
-            frontier: agent.frontier().clone(),
             foreign: masks.map_or_else(nothing, |masks| masks.foreign().clone()),
             unknown: masks.map_or_else(nothing, |masks| masks.unknown().clone()),
+            frontier,
         }
     }
 }

@@ -62,11 +62,12 @@ pub fn agents_svg(view: &View) -> String {
 
 /// In numbers what its map shows; less of it where there is less room.
 fn heading(agent: usize, known: &[Layer], view: &View, width: f64) -> Group {
-    let cars = format!("{} of {} cars", targets(known).len(), view.targets.len());
     let name = view.name_of(agent);
+    let cars = format!("{name}: {} of {} cars", targets(known).len(), view.targets.len());
     let words = match shares(known) {
-        shares if width > 260.0 => format!("{name}: {cars}{shares}"),
-        _ => format!("{name}: {cars}"),
+        _ if view.targets.is_empty() => name,
+        shares if width > 260.0 => format!("{cars}{shares}"),
+        _ => cars,
     };
     let size = if width > 200.0 { 13.0 } else { 10.0 };
     group("heading").add(text(0.0, -7.0, size, words).set("font-weight", "bold"))

@@ -41,7 +41,9 @@ pub fn legend(x: f64, y: f64, view: &View, agent: Option<usize>) -> Group {
     if !view.obstacles.is_empty() {
         legend.building();
     }
-    legend.cars(&agent.map_or_else(|| "the agent".to_owned(), |agent| view.name_of(agent)));
+    if !view.targets.is_empty() {
+        legend.cars(&agent.map_or_else(|| "the agent".to_owned(), |agent| view.name_of(agent)));
+    }
     legend.fleet(view);
     legend.all
 }

@@ -108,10 +108,13 @@ fn header(view: &View, agent: usize) -> Group {
         0 => String::new(),
         count => format!(", {}", counted(count, "station")),
     };
+    let cars = match view.targets.len() {
+        0 => String::new(),
+        count => format!(": {known} of {count} cars"),
+    };
     let subtitle = format!(
-        "what {} knows: {known} of {} cars; {} UAVs{stations}; {} m x {} m",
+        "what {} knows{cars}; {} UAVs{stations}; {} m x {} m",
         view.name_of(agent),
-        view.targets.len(),
         view.uavs.len(),
         view.size_m[0],
         view.size_m[1]
