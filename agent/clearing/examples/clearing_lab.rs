@@ -17,6 +17,7 @@ fn town(name: &str, seed: u64) -> Option<Town> {
         "tee" => Town::tee(),
         "cross" => Town::cross(),
         "ring" => Town::ring(),
+        "hooks" => Town::hooks(),
         "fork" => Town::fork(),
         "ladder" => Town::ladder(60.0, &[-120.0, 0.0, 120.0]),
         "desert" => Town::desert(seed, 110.0),

@@ -65,6 +65,11 @@ fn a_team_clears_blocks_that_are_smaller_than_an_image() {
 }
 
 #[test]
+fn cleaners_that_only_see_each_other_keep_their_frontiers() {
+    cleared(&Setup { uavs: 3, ..Setup::new(Town::hooks(), 12) });
+}
+
+#[test]
 fn bad_links_leak_nothing() {
     for (town, uavs) in
         [(Town::cross(), 4), (Town::ring(), 4), (Town::ladder(60.0, &[-120.0, 0.0]), 3)]
