@@ -61,6 +61,20 @@ impl Town {
         )
     }
 
+    /// Two parallel roads with a street between them; the rear of the second one turns off to the north.
+    pub fn rear() -> Self {
+        let corner = [-130.0, 35.0];
+        Self::new(
+            250.0,
+            &[
+                [[-250.0, 0.0], [200.0, 0.0]],
+                [corner, [200.0, 35.0]],
+                [corner, [-130.0, 230.0]],
+                [[0.0, 0.0], [0.0, 35.0]],
+            ],
+        )
+    }
+
     /// Two roads that part, and come near to each other again without touching.
     pub fn hooks() -> Self {
         let mut roads = vec![[[-150.0, 0.0], [-60.0, 0.0]]];
