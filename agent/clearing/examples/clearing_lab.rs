@@ -17,6 +17,8 @@ fn town(name: &str, seed: u64) -> Option<Town> {
         "tee" => Town::tee(),
         "cross" => Town::cross(),
         "ring" => Town::ring(),
+        "rear" => Town::rear(),
+        "hooks" => Town::hooks(),
         "fork" => Town::fork(),
         "ladder" => Town::ladder(60.0, &[-120.0, 0.0, 120.0]),
         "desert" => Town::desert(seed, 110.0),
@@ -37,6 +39,10 @@ fn main() {
     let seed = number(1, 0.0) as u64;
     let Some(town) = town(name, seed) else { return eprintln!("no town {name}") };
     let setup = Setup { uavs: number(2, 8.0) as u16, ..Setup::new(town, seed) };
+    let mut setup = setup;
+    if words.get(4).is_some_and(|word| word == "paper") {
+        setup.clearing.rules = csat_clearing::config::Rules::Paper;
+    }
     let every = (number(3, 60.0) * 8.0) as u32;
     let mut flight = Flight::new(&setup);
     while flight.advance() {

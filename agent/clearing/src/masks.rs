@@ -198,7 +198,8 @@ impl Masks {
         let spread = Bitmap::flood(&self.frontier.dilated(REACH), &allowed);
         self.mine = self.mine.clone().or(&spread.clone().and(&sight.grown));
         self.update_unknown();
-        self.frontier = self.boundary().and(&spread);
+        let border = Bitmap::inside(sight.size, sight.size, sight.margin + REACH);
+        self.frontier = self.boundary().and(&spread).and_not(&border);
     }
 
     fn boundary(&self) -> Bitmap {

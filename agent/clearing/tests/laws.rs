@@ -65,6 +65,11 @@ fn a_team_clears_blocks_that_are_smaller_than_an_image() {
 }
 
 #[test]
+fn cleaners_that_only_see_each_other_keep_their_frontiers() {
+    cleared(&Setup { uavs: 3, ..Setup::new(Town::hooks(), 12) });
+}
+
+#[test]
 fn bad_links_leak_nothing() {
     for (town, uavs) in
         [(Town::cross(), 4), (Town::ring(), 4), (Town::ladder(60.0, &[-120.0, 0.0]), 3)]
@@ -86,7 +91,7 @@ fn bad_links_leak_nothing_in_a_desert() {
 fn the_rules_of_the_paper_leak() {
     // The street shows only while it is in the stripe at the border, so the rear end of the other road is forgotten.
     let clearing = ClearingConfig { rules: Rules::Paper, ..ClearingConfig::default() };
-    let town = Town::ladder(45.0, &[-100.0]);
+    let town = Town::rear();
     let setup = Setup { uavs: 1, clearing, max_s: 300.0, ..Setup::new(town, 8) };
     let outcome = fly(&setup);
     assert!(outcome.violations > 0, "{outcome:?}");

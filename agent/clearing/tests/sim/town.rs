@@ -61,6 +61,37 @@ impl Town {
         )
     }
 
+    /// Two parallel roads with a street between them; the rear of the second one turns off to the north.
+    pub fn rear() -> Self {
+        let corner = [-130.0, 35.0];
+        Self::new(
+            250.0,
+            &[
+                [[-250.0, 0.0], [200.0, 0.0]],
+                [corner, [200.0, 35.0]],
+                [corner, [-130.0, 230.0]],
+                [[0.0, 0.0], [0.0, 35.0]],
+            ],
+        )
+    }
+
+    /// Two roads that part, and come near to each other again without touching.
+    pub fn hooks() -> Self {
+        let mut roads = vec![[[-150.0, 0.0], [-60.0, 0.0]]];
+        for side in [-1.0, 1.0] {
+            let at = |x: f64, y: f64| [x, side * y];
+            let corners = [
+                at(-60.0, 0.0),
+                at(-60.0, 100.0),
+                at(20.0, 100.0),
+                at(20.0, 20.0),
+                at(140.0, 20.0),
+            ];
+            roads.extend(corners.windows(2).map(|pair| [pair[0], pair[1]]));
+        }
+        Self::new(150.0, &roads)
+    }
+
     /// A grid with jitter and missing pieces, about 500 m wide.
     pub fn desert(seed: u64, spacing_m: f64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
