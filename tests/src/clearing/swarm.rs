@@ -85,7 +85,7 @@ fn fly_drawn(Draw { scenario, .. }: &Draw) -> Result<Exercise, String> {
     let of_fleet = engine.judge().fleet();
     let is_cleared = of_fleet.contains(&("is_cleared", Some(1.0)));
     let checked = engine.checked();
-    let checks = |promise: &str| checked.get(promise).map_or(0, |checked| checked.checks);
+    let checks = |promise: &str| checked.of(promise).checks;
     for report in engine.show().into_iter().flatten() {
         exercise.splits += u64::from(report.counters.splits);
         exercise.encounters += u64::from(report.counters.encounters);
