@@ -68,9 +68,9 @@ fn fewest(mover: &Mover, runs: &[Run]) -> Vec<usize> {
     (0..runs.len()).filter(|index| best >> index & 1 == 0).collect()
 }
 
-fn kept<'a>(
-    runs: &'a [Run],
+fn kept(
+    runs: &[Run],
     is_kept: impl Fn(usize) -> bool + Clone,
-) -> impl Iterator<Item = &'a Run> + Clone {
+) -> impl Iterator<Item = &Run> + Clone {
     runs.iter().enumerate().filter(move |(index, _)| is_kept(*index)).map(|(_, run)| run)
 }

@@ -6,7 +6,6 @@
 use crate::bitmap::Rect;
 use crate::config::AgentConfig;
 use crate::frontier::{Run, Side, Sides, rect_of, sides_of};
-use crate::mutant::{Mutant, is_on};
 
 /// A displacement: east and north, in units of `step_m`.
 pub type Direction = [i8; 2];
@@ -55,9 +54,6 @@ impl Mover {
     /// Whether the frontier in this rectangle stays where it may be. Where it is out of bounds already, it has to
     /// come nearer.
     pub fn is_feasible(&self, rect: &Rect, direction: Direction) -> bool {
-        if is_on(Mutant::AlwaysFeasible) {
-            return true;
-        }
         let (before, after) = (self.room(rect), self.room_after(rect, direction));
         before.iter().zip(after).all(|(before, after)| after >= 0.0 || after > *before)
     }

@@ -14,11 +14,9 @@ pub enum Mutant {
     GivenAtOnce,
     /// Cleared ground grows up to the edge of what is known, and the frontier needs no distance from it.
     NoMargin,
-    /// Motions are not checked.
-    AlwaysFeasible,
     /// Roads connect along sides only.
     FourNeighbours,
-    /// Safe masks are placed by the offset of an earlier message.
+    /// Safe masks are placed by the first offset of their sender.
     StaleOffset,
     /// Safe masks reach up to unknown road.
     NoRho,
@@ -30,11 +28,10 @@ pub enum Mutant {
 
 impl Mutant {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self::DeletedUnseen,
         Self::GivenAtOnce,
         Self::NoMargin,
-        Self::AlwaysFeasible,
         Self::FourNeighbours,
         Self::StaleOffset,
         Self::NoRho,

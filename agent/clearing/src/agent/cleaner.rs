@@ -54,7 +54,7 @@ pub struct Cleaner {
     done_since: Option<Step>,
     /// When the last help of another cleaner came, by cleaner.
     met: std::collections::BTreeMap<AgentId, Step>,
-    /// The last offset of each other cleaner, for [`Mutant::StaleOffset`].
+    /// The first offset of each other cleaner, for [`Mutant::StaleOffset`].
     stale_m: std::collections::BTreeMap<AgentId, [f64; 2]>,
 }
 
@@ -160,7 +160,7 @@ impl ClearingAgent {
         };
         let mut placed_m = offset_m;
         if is_on(Mutant::StaleOffset) {
-            placed_m = cleaner.stale_m.insert(got.from, offset_m).unwrap_or(offset_m);
+            placed_m = *cleaner.stale_m.entry(got.from).or_insert(offset_m);
         }
         let by = self.registration.placement(placed_m);
         let is_by_overlap = self.sight.rules == Rules::Paper || is_on(Mutant::DeletedUnseen);

@@ -53,9 +53,7 @@ impl Vehicle {
         assert!(by_m[0].hypot(by_m[1]) <= most + 1e-9, "{by_m:?}");
         let flown = by_m.map(|metres| metres + error(&mut self.random, self.motion_error_m));
         self.path_m += flown[0].hypot(flown[1]);
-        for axis in 0..2 {
-            self.place_m[axis] += flown[axis];
-        }
+        self.place_m.iter_mut().zip(flown).for_each(|(place, by)| *place += by);
     }
 
     pub fn frame(&mut self, step: Step, truth: &Truth) -> Frame {
