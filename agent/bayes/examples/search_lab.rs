@@ -22,6 +22,7 @@ use csat_bayes::guidance::{GuidanceInput, Guide, NeighbourPlan};
 use csat_bayes::likelihood::{Likelihood, Sensor};
 use csat_bayes::search_map::{CELL_M, Gaussian, SearchMap};
 use csat_proto::camera::{CameraModel, Pose};
+use csat_proto::command::Command;
 use csat_proto::detector::DetectorModel;
 use csat_proto::fixed_wing::FixedWing;
 use csat_proto::ids::{AgentId, ChannelId, Incarnation, RunId};
@@ -450,7 +451,8 @@ impl<'a> Flight<'a> {
             neighbours: &neighbours,
         };
         if let Some(command) = self.guides[index].step(&input) {
-            self.aircraft[index].command(command.yaw_rad);
+            let Command::Yaw { yaw_rad } = command else { unreachable!("aircraft turn") };
+            self.aircraft[index].command(yaw_rad);
         }
     }
 

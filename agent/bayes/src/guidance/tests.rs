@@ -102,7 +102,8 @@ impl Flown {
         let input =
             GuidanceInput { step: self.step, pose: &reported, map: &map, target, neighbours };
         if let Some(command) = self.guide.step(&input) {
-            self.aircraft.command(command.yaw_rad);
+            let Command::Yaw { yaw_rad } = command else { panic!("{command:?}") };
+            self.aircraft.command(yaw_rad);
         }
         pose
     }
