@@ -45,7 +45,9 @@ fn every_key_is_documented_and_every_documented_key_is_there() {
                     .extend(tables_in(&lookup(&mission.tables(), heading).unwrap_or_default()));
             }
             "Top level" => documented.extend(tables.iter().map(|table| (*table).to_owned())),
-            "[agents]" => documented.extend(["start".to_owned(), "fixed_wing".to_owned()]),
+            "[agents]" => {
+                documented.extend(["start", "fixed_wing", "multirotor"].map(str::to_owned));
+            }
             "[guidance]" => documented.extend(["str4".to_owned()]),
             "[exchange]" => documented.extend(["channels".to_owned()]),
             // Any other name is a radio.
@@ -114,6 +116,9 @@ fn documented_defaults_are_those_of_the_program() {
     let propagation = csat_netem::config::PropagationConfig::default();
     let radio = usual["netem"]["radio"].as_table_mut().unwrap();
     radio.insert("propagation".to_owned(), toml::Value::try_from(propagation).unwrap());
+    let desert = csat_world::map::DesertModel::default();
+    let map = usual["map"].as_table_mut().unwrap();
+    map.insert("desert".to_owned(), toml::Value::try_from(desert).unwrap());
     for Section { heading, mission, rows } in sections() {
         if heading.starts_with("[[") || heading.contains("model") {
             continue;

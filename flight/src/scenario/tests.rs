@@ -198,7 +198,7 @@ fn impossible_values_are_explained() {
         (
             "agents.altitude_step_m=0",
             "0",
-            "a number other than 0: each UAV has an altitude of its own",
+            "a number other than 0: each UAV has an altitude of its own, except for multirotors",
         ),
         ("agents.altitude_band_m=0", "0", "a number above 0"),
         (
@@ -359,7 +359,7 @@ fn what_cannot_be_found_is_named() {
         message,
         "error: there is no scenario `hellsinki-05`\n  = expected a TOML file or one of `city`, \
          `city-range100`, `city-bursty`, `city-slow`, `city-storm`, `helsinki-05`, \
-         `helsinki-17`, `tisdale`\n  = did you mean `helsinki-05`?\n"
+         `helsinki-17`, `clearing`, `tisdale`\n  = did you mean `helsinki-05`?\n"
     );
     let folder = scratch("folder");
     let message = load_with(&folder.to_string_lossy(), &[]).unwrap_err().mistakes[0].to_string();
