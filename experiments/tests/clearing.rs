@@ -93,8 +93,8 @@ const KEYS: [(&str, &[&str]); 34] = [
     ("agents.count=4", &[]),
     ("camera.aperture_deg=75", &[]),
     ("map.road_spacing_m=90", &[]),
-    ("map.desert.loop_share=0.9", &[]),
-    ("map.desert.dead_end_share=0.9", &[]),
+    ("map.desert.loop_share=0.6", &[]),
+    ("map.desert.dead_end_share=0.8", &[]),
     ("map.kind=\"generated\"", &[]),
     ("netem.hbsr.range_m=60", &[]),
     ("netem.hbsr.offset_error_m=0", &[]),
@@ -162,7 +162,7 @@ mode = "none"
         (10, "`agents.altitude_step_m`"),
         (14, "tilt_deg = 90"),
         (17, "the name of a radio"),
-        (20, "reaches 100 m"),
+        (21, "`netem.lblr.range_m` cannot be 100"),
         (22, "`exchange` belongs to the mission `set-membership`"),
     ] {
         assert!(told.contains(what), "{what} in {told}");

@@ -100,26 +100,27 @@ fn radios(check: &mut Check, scenario: &Scenario, tables: &Tables) {
         check.that(is_known, &[key], &format!("`{name}`"), "the name of a radio of [netem]");
     }
     let channel = |name: &str| netem.channel_id(name).and_then(|id| netem.channel(id));
+    let mut demand = |holds: bool, name: &str, key: &str, got: &str, expected: String| {
+        if !holds {
+            let keys = vec![format!("netem.{name}.{key}"), format!("netem.{name}")];
+            let mistake = Mistake::new(format!("`{}` cannot be {got}", keys[0])).expected(expected);
+            check.0.push(Issue { keys, mistake, is_warning: false });
+        }
+    };
     if let Some(hbsr) = channel(&clearing.hbsr) {
-        check.that(
-            hbsr.offset_error_m.is_some(),
-            &["clearing.hbsr", "netem"],
-            &format!("`{}`, which measures no offsets", clearing.hbsr),
-            "a radio with `offset_error_m`: images are registered by it",
-        );
+        let expected =
+            "a bound in metres: images are registered by the offsets that this radio measures";
+        let is_measured = hbsr.offset_error_m.is_some();
+        demand(is_measured, &clearing.hbsr, "offset_error_m", "left out", expected.to_owned());
     }
     if let Some(lblr) = channel(&clearing.lblr) {
         let [east, north] = scenario.map.size_m;
         let diameter_m = east.hypot(north);
-        check.that(
-            lblr.range_m >= diameter_m || clearing.allow_short_lblr,
-            &["clearing.lblr", "clearing.allow_short_lblr"],
-            &format!("`{}`, which reaches {} m", clearing.lblr, lblr.range_m),
-            &format!(
-                "a radio that reaches across the region, {diameter_m:.0} m (Gagliardi et al. II), or \
-                 clearing.allow_short_lblr = true"
-            ),
+        let holds = lblr.range_m >= diameter_m || clearing.allow_short_lblr;
+        let expected = format!(
+            "a range across the region, {diameter_m:.0} m (Gagliardi et al. II), or clearing.allow_short_lblr = true"
         );
+        demand(holds, &clearing.lblr, "range_m", &lblr.range_m.to_string(), expected);
     }
     idle_radios(
         check,
