@@ -19,7 +19,7 @@ fn said(folder: &Path, arguments: &[&str]) -> String {
 fn shipped_scenarios_are_listed_and_printed_to_begin_with() {
     let base = scratch();
     let list = said(base.path(), &["scenarios"]);
-    assert_eq!(list.lines().count(), 8, "{list}");
+    assert_eq!(list.lines().count(), 9, "{list}");
     for line in list.lines() {
         let (name, summary) = line.split_once("  ").unwrap();
         assert!(summary.trim().split(' ').count() > 4, "a sentence: {line}");

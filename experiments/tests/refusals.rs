@@ -213,7 +213,7 @@ fn check_pieces(folder: &Path, said: &str) {
 fn a_limit_on_file_sizes_names_the_file() {
     let base = scratch();
     // Blocks of 512 bytes (sh) or 1024 (bash); without the trap the system kills the process.
-    let shell = "trap '' XFSZ; ulimit -f 4; exec \"$CSAT\" \"$@\"";
+    let shell = "trap '' XFSZ; ulimit -f 8; exec \"$CSAT\" \"$@\"";
     let longer = ["--set", "run.duration_s=60", "--out", "out"];
     let output = Command::new("sh")
         .args([&["-c", shell, "csat", "run"], SMALL, &longer[..]].concat())
