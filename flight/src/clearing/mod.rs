@@ -80,11 +80,10 @@ impl Mission for Clearing {
 
     fn report(&self, agent: &mut ClearingAgent, pose: &Pose, detail: Detail) -> Report {
         let mut report = Report::of(agent, pose);
-        if detail == Detail::Full || report.step.0.is_multiple_of(TRAIL_STEPS) {
-            if let Some(claims) = &report.claims {
-                let square = Square::of_image(&self.config.camera, pose);
-                self.trails.add(report.agent, &square, claims);
-            }
+        let is_due = detail == Detail::Full || report.step.0.is_multiple_of(TRAIL_STEPS);
+        if let Some(claims) = report.claims.as_ref().filter(|_| is_due) {
+            let square = Square::of_image(&self.config.camera, pose);
+            self.trails.add(report.agent, &square, claims);
         }
         report.maps =
             (detail == Detail::Full).then(|| Maps::of(agent, self.trails.of(report.agent)));
