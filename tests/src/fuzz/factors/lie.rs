@@ -1,5 +1,7 @@
 //! False talk that decodes: honest messages with changed values.
 
+use std::f32::consts::FRAC_PI_2;
+
 use csat_bayes::exchange::held::{Held, HeldNumbers, MAX_INCARNATIONS};
 use csat_bayes::exchange::intervals::Intervals;
 use csat_bayes::exchange::message::Message;
@@ -31,7 +33,7 @@ const PLACES: [f32; 12] = [
 ];
 /// Angles from the ends of their ranges, radians.
 const ANGLES: [f32; 10] =
-    [0.0, 0.8, 1.3, -1.5, 1.570_796, -1.570_796, 3.0, f32::MAX, f32::NAN, f32::INFINITY];
+    [0.0, 0.8, 1.3, -1.5, FRAC_PI_2, -FRAC_PI_2, 3.0, f32::MAX, f32::NAN, f32::INFINITY];
 /// Columns and rows from the ends of their ranges, pixels.
 const PIXELS: [f32; 8] = [0.0, -0.0, 320.0, 480.0, 640.0, 641.0, 1e-45, f32::NAN];
 
