@@ -6,7 +6,7 @@ const PAPER: &str = "Gagliardi et al. figure 10a";
 
 /// The columns, in the order of `metrics.csv`.
 pub const COLUMNS: &[Column] = &[
-    Column::of_agent("role", "role", "")
+    Column::of_agent("duty", "duty", "")
         .defined("0 cleaner, 1 wing, 2 tail, 3 helper", "Gagliardi et al. V")
         .count(),
     Column::of_agent("frontier_m", "frontier", "m")

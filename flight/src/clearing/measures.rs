@@ -61,7 +61,7 @@ impl Measures<Report> for ClearingMeasures {
             self.before.get(&(report.agent, report.incarnation)).copied().unwrap_or_default();
         let since = |now: u64, before: u64| Some(now.saturating_sub(before) as f64);
         vec![
-            ("role", role(report.role)),
+            ("duty", duty(report.role)),
             ("frontier_m", Some(self.pixel_m * f64::from(report.frontier_px))),
             ("path_m", self.paths.get(&report.agent).map(|(_, path_m)| *path_m)),
             ("hbsr_bytes", since(report.counters.hbsr_bytes, before.hbsr_bytes)),
@@ -71,7 +71,7 @@ impl Measures<Report> for ClearingMeasures {
 }
 
 /// A role as a number; a ground station has none.
-fn role(role: Role) -> Option<f64> {
+fn duty(role: Role) -> Option<f64> {
     match role {
         Role::Cleaner => Some(0.0),
         Role::LeftWing | Role::RightWing => Some(1.0),

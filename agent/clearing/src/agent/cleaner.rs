@@ -225,7 +225,7 @@ impl ClearingAgent {
     pub(super) fn decide(&mut self) {
         let missing = self.config.steps(self.config.clearing.lost_after_s);
         if let Some(agent) = self.fleet.miss(self.step, missing) {
-            self.events.push_back(Event::Lost { step: self.step, agent });
+            self.events.push_back(Event::Lost { step: self.step, cleaner: agent });
         }
         self.update_follower();
         self.update_helper();

@@ -90,7 +90,7 @@ pub enum Event {
         /// The step.
         step: Step,
         /// The silent one.
-        agent: AgentId,
+        cleaner: AgentId,
     },
     /// It dropped a message; reported once per reason and sender.
     Rejected {
