@@ -57,7 +57,7 @@ impl Radii {
     }
 
     /// Cleared pixels nearer to the edge of the image than this are no longer the own ones: what is unknown and
-    /// enters the masks is farther than [`REACH`] from own pixels, also after [`MOAT_PX`] times that the lattice was
+    /// enters the masks is farther than [`REACH`] from own pixels, also after `MOAT_PX` times that the lattice was
     /// taken up anew.
     pub fn rim(&self) -> u16 {
         self.blind().saturating_add(REACH + 1 + MOAT_PX)
