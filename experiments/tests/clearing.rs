@@ -92,9 +92,9 @@ const KEYS: [(&str, &[&str]); 27] = [
     ("map.desert.loop_share=0.6", &[]),
     ("map.desert.dead_end_share=0.8", &[]),
     ("map.kind=\"generated\"", &[]),
-    ("netem.hbsr.range_m=60", &[]),
+    ("netem.hbsr.range_m=20", &[]),
     ("netem.hbsr.offset_error_m=0", &[]),
-    ("netem.lblr.range_m=400", &["clearing.allow_short_lblr=true", "netem.lblr.range_m=80"]),
+    ("netem.lblr.range_m=400", &["clearing.allow_short_lblr=true", "netem.lblr.range_m=5"]),
 ];
 
 /// What a key can change: what agents know, and what they say and hear.
