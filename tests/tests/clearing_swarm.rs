@@ -35,8 +35,8 @@ fn whatever_the_links_do_what_is_called_cleared_is_cleared() {
     assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), seeds.len(), failures.join("\n"));
     if seeds.len() as u64 >= SEEDS.fixed {
         let Exercise { cleared, splits, encounters, merges, stalled, lost, told, .. } = exercise;
-        let some = [cleared, splits, encounters, merges, stalled, lost, told];
-        assert!(some.iter().min() > Some(&2), "{exercise:?}");
+        assert!([cleared, splits, merges, lost].iter().min() > Some(&2), "{exercise:?}");
+        assert!([encounters, stalled, told].iter().min() > Some(&0), "{exercise:?}");
         assert!(exercise.dropped.min(exercise.checks) > 10_000, "{exercise:?}");
     }
 }
