@@ -2,18 +2,18 @@
 
 mod common;
 
-use std::collections::BTreeMap;
-use std::path::Path;
-
+use common::shipped::{Key, Shipped, check_places};
 use common::{csat, read, scratch, text};
-use serde_json::Value;
 
 /// `tisdale` over a small region.
-const SMALL: [&str; 3] = [
-    "map.size_m=[300, 300]",
-    "run.duration_s=25",
-    "agents.start=[{x_m=-130,y_m=-150,yaw_deg=90},{x_m=130,y_m=-150,yaw_deg=90}]",
-];
+const SMALL: Shipped = Shipped {
+    name: "tisdale",
+    sets: &[
+        "map.size_m=[300, 300]",
+        "run.duration_s=25",
+        "agents.start=[{x_m=-130,y_m=-150,yaw_deg=90},{x_m=130,y_m=-150,yaw_deg=90}]",
+    ],
+};
 
 /// A target that walks, and radios with which the rest is late or lost.
 const WALKING: &str = "targets.driving=\"random-walk\"";
@@ -24,20 +24,10 @@ const PARTICLES: &str = "belief.kind=\"particles\"";
 const LAWNMOWER: &str = "guidance.criterion=\"lawnmower\"";
 const WAYPOINTS: &str = "guidance.criterion=\"waypoints\"";
 
-/// The summary of a small mission.
-fn flown(folder: &Path, command: &str, out: &str, sets: &[&str]) -> Value {
-    let sets = SMALL.iter().chain(sets).flat_map(|set| ["--set", set]);
-    let arguments: Vec<&str> =
-        [command, "tisdale", "--json", "--out", out].into_iter().chain(sets).collect();
-    let output = csat(folder, &arguments);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("a summary")
-}
-
 #[test]
 fn a_run_has_the_numbers_and_pictures_of_the_search() {
     let base = scratch();
-    let summary = flown(base.path(), "run", "out", &[]);
+    let summary = SMALL.flown(base.path(), "run", "out", &[]);
     assert_eq!((&summary["mission"], &summary["agents"]), (&"bayes".into(), &2.into()));
     for key in ["localization_error_m", "sigma_m", "cumulative_detection", "factors_held_pct"] {
         assert!(summary[key].is_f64(), "{key}: {summary}");
@@ -61,20 +51,14 @@ fn processes_fly_the_same_search() {
         ("particles", &[PARTICLES, WALKING]),
         ("snapshot", &[SNAPSHOT, "belief.kind=\"grid\"", LOSSY]),
     ];
-    for (name, sets) in cases {
-        let base = scratch();
-        let one = flown(base.path(), "run", "one", sets);
-        let many = flown(base.path(), "spawn", "many", sets);
-        for key in ["digest", "messages", "checked", "sigma_m", "detections"] {
-            assert_eq!(one[key], many[key], "{name}: {key}");
-        }
-        let metrics = |run: &str| std::fs::read(base.path().join(run).join("metrics.csv")).unwrap();
-        assert!(metrics("one") == metrics("many"), "{name}");
-    }
+    SMALL.is_the_same_in_processes(
+        &cases,
+        &["digest", "messages", "checked", "sigma_m", "detections"],
+    );
 }
 
 /// A key, and the values of others with which it has an effect.
-const KEYS: [(&str, &[&str]); 44] = [
+const KEYS: [Key; 44] = [
     ("belief.kind=\"grid\"", &[]),
     ("belief.cell_m=30", &[]),
     ("belief.min_cell_m=4", &["run.duration_s=40"]),
@@ -126,23 +110,13 @@ const KEYS: [(&str, &[&str]); 44] = [
 
 #[test]
 fn every_key_has_an_effect() {
+    SMALL.every_key_changes(&KEYS, |summary| summary["digest"].clone());
     let base = scratch();
-    let mut idle: Vec<&str> = Vec::new();
-    let mut digests: BTreeMap<Vec<&str>, Value> = BTreeMap::new();
-    for (index, (set, others)) in KEYS.iter().enumerate() {
-        let without = digests.entry(others.to_vec()).or_insert_with(|| {
-            flown(base.path(), "run", &format!("{index}-without"), others)["digest"].clone()
-        });
-        let all = [others, &[*set][..]].concat();
-        let with = flown(base.path(), "run", &format!("{index}-with"), &all);
-        idle.extend((*without == with["digest"]).then_some(*set));
-    }
-    assert!(idle.is_empty(), "these change nothing: {idle:?}");
     // A radio of another name.
     let other = ["netem.far.range_m=inf", "exchange.channel=\"far\""];
     let silent = "netem.radio.loss={model=\"iid\",p=1.0}";
-    let near = flown(base.path(), "run", "near", &[silent]);
-    let far = flown(base.path(), "run", "far", &[&other[..], &[silent]].concat());
+    let near = SMALL.flown(base.path(), "run", "near", &[silent]);
+    let far = SMALL.flown(base.path(), "run", "far", &[&other[..], &[silent]].concat());
     assert_ne!(near["digest"], far["digest"]);
 }
 
@@ -180,21 +154,21 @@ disc_vertices = 8
     let output = csat(base.path(), &["run", "bad.toml"]);
     let told = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{told}");
-    for (line, what) in [
-        (6, "`targets.count` cannot be 2"),
-        (7, "`targets.driving`"),
-        (9, "`agents.vehicle` cannot be `quadcopter`"),
-        (12, "above the horizon"),
-        (14, "0.54 GB for each agent"),
-        (18, "`detector.p_false` cannot be 1.5"),
-        (20, "six deviations above 0"),
-        (22, "particles cannot be fused"),
-        (23, "radio `far` carries nothing"),
-        (25, "`estimator` belongs to the mission `set-membership`"),
-    ] {
-        assert!(told.contains(what), "{what} in {told}");
-        assert!(told.contains(&format!("--> bad.toml:{line}:")), "line {line} in {told}");
-    }
+    check_places(
+        &told,
+        &[
+            (6, "`targets.count` cannot be 2"),
+            (7, "`targets.driving`"),
+            (9, "`agents.vehicle` cannot be `quadcopter`"),
+            (12, "above the horizon"),
+            (14, "0.54 GB for each agent"),
+            (18, "`detector.p_false` cannot be 1.5"),
+            (20, "six deviations above 0"),
+            (22, "particles cannot be fused"),
+            (23, "radio `far` carries nothing"),
+            (25, "`estimator` belongs to the mission `set-membership`"),
+        ],
+    );
     let reverse = csat(base.path(), &["check", "city", "--set", "belief.cell_m=1"]);
     assert_eq!(reverse.status.code(), Some(2));
     assert!(text(&reverse.stderr).contains("`belief` belongs to the mission `bayes`"));

@@ -2,35 +2,30 @@
 
 mod common;
 
-use std::collections::BTreeMap;
-use std::path::Path;
-
+use common::shipped::{Key, Shipped, check_places};
 use common::{csat, read, scratch, text};
 use serde_json::Value;
 
 /// `clearing` in a small region with fewer UAVs.
-const SMALL: [&str; 4] =
-    ["map.size_m=[240, 240]", "map.road_spacing_m=75", "agents.count=5", "run.duration_s=60"];
+const SMALL: Shipped = Shipped {
+    name: "clearing",
+    sets: &[
+        "map.size_m=[240, 240]",
+        "map.road_spacing_m=75",
+        "agents.count=5",
+        "run.duration_s=60",
+    ],
+};
 
 const LOSSY: [&str; 2] = [
     "netem.hbsr.loss={model=\"iid\",p=0.6}",
     "netem.hbsr.delay={model=\"uniform\",mean_s=1,spread_s=1}",
 ];
 
-/// The summary of a small mission.
-fn flown(folder: &Path, command: &str, out: &str, sets: &[&str]) -> Value {
-    let sets = SMALL.iter().chain(sets).flat_map(|set| ["--set", set]);
-    let arguments: Vec<&str> =
-        [command, "clearing", "--json", "--out", out].into_iter().chain(sets).collect();
-    let output = csat(folder, &arguments);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
-    serde_json::from_slice(&output.stdout).expect("a summary")
-}
-
 #[test]
 fn a_run_has_the_numbers_and_pictures_of_the_clearing() {
     let base = scratch();
-    let summary = flown(base.path(), "run", "out", &["run.duration_s=400"]);
+    let summary = SMALL.flown(base.path(), "run", "out", &["run.duration_s=400"]);
     assert_eq!((&summary["mission"], &summary["agents"]), (&"clearing".into(), &5.into()));
     assert_eq!((&summary["violations"], &summary["inconsistencies"]), (&0.into(), &0.into()));
     for key in ["cleared_pct", "cleared_by_uav_pct", "path_m", "contaminated_pct"] {
@@ -54,20 +49,14 @@ fn processes_clear_the_same_roads() {
     let crash = "netem.outage=[{agent=1,from_s=8,until_s=12,kind=\"crash\"}]";
     let storm = [LOSSY[0], LOSSY[1], "netem.hbsr.range_m=90", crash];
     let cases: [(&str, &[&str]); 2] = [("perfect", &[]), ("storm", &storm)];
-    for (name, sets) in cases {
-        let base = scratch();
-        let one = flown(base.path(), "run", "one", sets);
-        let many = flown(base.path(), "spawn", "many", sets);
-        for key in ["digest", "messages", "checked", "cleared_pct", "splits"] {
-            assert_eq!(one[key], many[key], "{name}: {key}");
-        }
-        let metrics = |run: &str| std::fs::read(base.path().join(run).join("metrics.csv")).unwrap();
-        assert!(metrics("one") == metrics("many"), "{name}");
-    }
+    SMALL.is_the_same_in_processes(
+        &cases,
+        &["digest", "messages", "checked", "cleared_pct", "splits"],
+    );
 }
 
 /// A key, and the values of others with which it has an effect.
-const KEYS: [(&str, &[&str]); 27] = [
+const KEYS: [Key; 27] = [
     ("clearing.coding=\"bitmap\"", &["netem.hbsr.rate={bytes_s=20000,burst_bytes=9000}"]),
     ("clearing.margin_px=30", &[]),
     ("clearing.step_m=0.1", &[]),
@@ -104,23 +93,13 @@ fn traces(summary: &Value) -> [Value; 3] {
 
 #[test]
 fn every_key_has_an_effect() {
+    SMALL.every_key_changes(&KEYS, traces);
     let base = scratch();
-    let mut idle: Vec<&str> = Vec::new();
-    let mut digests: BTreeMap<Vec<&str>, [Value; 3]> = BTreeMap::new();
-    for (index, (set, others)) in KEYS.iter().enumerate() {
-        let without = digests.entry(others.to_vec()).or_insert_with(|| {
-            traces(&flown(base.path(), "run", &format!("{index}-without"), others))
-        });
-        let all = [others, &[*set][..]].concat();
-        let with = flown(base.path(), "run", &format!("{index}-with"), &all);
-        idle.extend((*without == traces(&with)).then_some(*set));
-    }
-    assert!(idle.is_empty(), "these change nothing: {idle:?}");
     // The radios change places.
     let both = ["netem.lblr.offset_error_m=0.3", "netem.hbsr.range_m=1000"];
     let swapped = ["clearing.hbsr=\"lblr\"", "clearing.lblr=\"hbsr\""];
-    let usual = flown(base.path(), "run", "usual", &both);
-    let other = flown(base.path(), "run", "other", &[&both[..], &swapped].concat());
+    let usual = SMALL.flown(base.path(), "run", "usual", &both);
+    let other = SMALL.flown(base.path(), "run", "other", &[&both[..], &swapped].concat());
     assert_ne!(usual["digest"], other["digest"]);
 }
 
@@ -155,20 +134,20 @@ mode = "none"
     let output = csat(base.path(), &["run", "bad.toml"]);
     let told = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{told}");
-    for (line, what) in [
-        (3, "`map.kind` cannot be `open`"),
-        (5, "`targets.count` cannot be 3"),
-        (7, "`agents.count` cannot be 0"),
-        (8, "`agents.vehicle` cannot be `quadcopter`"),
-        (10, "`agents.altitude_step_m`"),
-        (14, "tilt_deg = 90"),
-        (17, "the name of a radio"),
-        (21, "`netem.lblr.range_m` cannot be 100"),
-        (22, "`exchange` belongs to the mission `set-membership`"),
-    ] {
-        assert!(told.contains(what), "{what} in {told}");
-        assert!(told.contains(&format!("--> bad.toml:{line}:")), "line {line} in {told}");
-    }
+    check_places(
+        &told,
+        &[
+            (3, "`map.kind` cannot be `open`"),
+            (5, "`targets.count` cannot be 3"),
+            (7, "`agents.count` cannot be 0"),
+            (8, "`agents.vehicle` cannot be `quadcopter`"),
+            (10, "`agents.altitude_step_m`"),
+            (14, "tilt_deg = 90"),
+            (17, "the name of a radio"),
+            (21, "`netem.lblr.range_m` cannot be 100"),
+            (22, "`exchange` belongs to the mission `set-membership`"),
+        ],
+    );
 }
 
 #[test]

@@ -9,6 +9,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::measures::Values;
+use crate::picture::properties;
 
 /// A promise that a mission makes of each report.
 #[derive(Debug, Clone, Copy)]
@@ -37,6 +38,13 @@ pub struct Broken {
     pub agent: AgentId,
     /// What else there is to say, as members of a JSON object.
     pub detail: Map<String, Value>,
+}
+
+impl Broken {
+    /// A promise that `agent` broke, with the members of the JSON object `detail`.
+    pub fn new(promise: &'static str, agent: AgentId, detail: Value) -> Self {
+        Self { promise, agent, detail: properties(detail) }
+    }
 }
 
 impl Serialize for Broken {

@@ -126,6 +126,18 @@ pub fn targets(layers: &[Layer]) -> std::collections::BTreeSet<u64> {
 }
 
 impl Cells {
+    /// The cells (column, row) of a raster; those of a row that follow each other become one run.
+    pub fn of(cell_m: f64, origin_m: [f64; 2], cells: impl Iterator<Item = (u32, u32)>) -> Self {
+        let mut runs: Vec<[u32; 3]> = Vec::new();
+        for (column, row) in cells {
+            match runs.last_mut() {
+                Some([last_row, _, end]) if *last_row == row && *end == column => *end += 1,
+                _ => runs.push([row, column, column + 1]),
+            }
+        }
+        Self { cell_m, origin_m, runs }
+    }
+
     /// The runs as rectangles, counter-clockwise.
     pub fn rings(&self) -> impl Iterator<Item = Ring> {
         let at = |column: u32, row: u32| {
@@ -177,10 +189,15 @@ impl Heat {
         let of_band = |band: u16| {
             let values = self.values.iter().enumerate();
             let cells = values.filter(move |(_, value)| band_of(**value) == Some(band));
-            runs(self.cell_m, self.origin_m, cells.map(|(index, _)| at(index)))
+            Cells::of(self.cell_m, self.origin_m, cells.map(|(index, _)| at(index)))
         };
         (0..count).map(of_band).collect()
     }
+}
+
+/// The members of a JSON object; none of any other value.
+pub fn properties(value: Value) -> Properties {
+    if let Value::Object(members) = value { members } else { Properties::default() }
 }
 
 /// A length to the nearest millimetre.
@@ -191,7 +208,7 @@ pub fn to_millimetre(metres: f64) -> f64 {
 /// A raster as runs.
 pub fn cells(raster: &Raster) -> Cells {
     let grid = raster.grid();
-    runs(grid.cell_m, grid.origin(), raster.iter())
+    Cells::of(grid.cell_m, grid.origin(), raster.iter())
 }
 
 /// An OEM from the states of its cells in row-major order.
@@ -208,19 +225,8 @@ pub fn oem(grid: &Grid, states: &[OemCell]) -> Oem {
         cell_m: grid.cell_m,
         origin_m: grid.origin(),
         occupied: occupied.collect(),
-        empty: runs(grid.cell_m, grid.origin(), of(|s| *s == OemCell::Empty)),
+        empty: Cells::of(grid.cell_m, grid.origin(), of(|s| *s == OemCell::Empty)),
     }
-}
-
-fn runs(cell_m: f64, origin_m: [f64; 2], cells: impl Iterator<Item = (u32, u32)>) -> Cells {
-    let mut runs: Vec<[u32; 3]> = Vec::new();
-    for (column, row) in cells {
-        match runs.last_mut() {
-            Some([last_row, _, end]) if *last_row == row && *end == column => *end += 1,
-            _ => runs.push([row, column, column + 1]),
-        }
-    }
-    Cells { cell_m, origin_m, runs }
 }
 
 #[cfg(test)]

@@ -2,12 +2,13 @@
 
 use csat_agent::agent::Event;
 use csat_agent::config::ExchangeMode;
-use csat_experiments::scenario::Scenario;
+use csat_experiments::scenario::{self, Request, Scenario, missions};
 use csat_experiments::set_membership::SetMembership;
 use csat_experiments::set_membership::report::percent_of;
 use csat_mission::engine::Engine;
 use csat_mission::mission::Mission;
 use csat_world::world::{World, WorldErrors};
+use serde::Serialize;
 
 /// A generated town of `side_m`, a small coarse camera, low UAVs.
 pub fn small(seed: u64, side_m: f64, uavs: u16) -> Scenario {
@@ -24,6 +25,28 @@ pub fn small(seed: u64, side_m: f64, uavs: u16) -> Scenario {
     scenario.camera.tilt_deg = 40.0;
     scenario.camera.d_max_m = 150.0;
     scenario.camera.min_pixels = 2;
+    scenario
+}
+
+/// A scenario that ships with csat.
+///
+/// # Panics
+/// When it does not load.
+pub fn shipped(name: &str) -> Scenario {
+    let request = Request { scenario: Some(name), ..Request::default() };
+    scenario::load(request).expect("it is shipped").scenario
+}
+
+/// The scenario with these tables of its mission's own.
+///
+/// # Panics
+/// When something is wrong with it.
+pub fn with_tables(mut scenario: Scenario, tables: &impl Serialize) -> Scenario {
+    scenario.own = toml::Table::try_from(tables).expect("tables are TOML");
+    let mission = missions::find(&scenario.mission).expect("it is shipped");
+    let issues = scenario::validate::validate(&scenario, mission.judge_scenario(&scenario));
+    let wrong: Vec<_> = issues.iter().filter(|issue| !issue.is_warning).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
     scenario
 }
 

@@ -1,11 +1,14 @@
 //! Tests over many seeds. A failing seed prints how to run it alone.
 
+use std::fmt::Debug;
 use std::fs;
 use std::io::Write;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::time::SystemTime;
+
+use rayon::prelude::*;
 
 /// The environment variable that selects one seed.
 const VARIABLE: &str = "CSAT_SEED";
@@ -72,8 +75,37 @@ impl Seeds {
         seeds
     }
 
+    /// Flies all seeds at once, and adds up `with` what they exercised. Gives it if they are at least as many as
+    /// are flown every time: of fewer, it says little. `test` is the file of the calling test.
+    ///
+    /// # Panics
+    /// When seeds fail, with how to replay them; they are kept.
+    pub fn fly<E: Default + Debug + Send>(
+        &self,
+        test: &str,
+        fly: fn(u64) -> Result<E, String>,
+        with: fn(E, E) -> E,
+    ) -> Option<E> {
+        let seeds = self.all();
+        let flown: Vec<_> = seeds.par_iter().map(|&seed| (seed, fly(seed))).collect();
+        let (mut failures, mut exercise) = (Vec::new(), E::default());
+        for (seed, result) in flown {
+            match result {
+                Ok(more) => exercise = with(exercise, more),
+                Err(law) => {
+                    self.keep(seed, &law);
+                    failures.push(format!("seed {seed}: {law}\n    {}", replay(test, seed)));
+                }
+            }
+        }
+        println!("{exercise:#?}");
+        let (failed, all) = (failures.len(), seeds.len());
+        assert!(failures.is_empty(), "{failed} of {all}:\n{}", failures.join("\n"));
+        (all as u64 >= self.fixed).then_some(exercise)
+    }
+
     /// Adds a seed to the regressions.
-    pub fn keep(&self, seed: u64, law: &str) {
+    fn keep(&self, seed: u64, law: &str) {
         if !Path::new(self.regressions).exists() || self.known().contains(&seed) {
             return;
         }
@@ -95,6 +127,13 @@ fn range() -> Option<Range<u64>> {
     let text = std::env::var("CSAT_SEEDS").ok()?;
     let (from, to) = text.split_once("..").unwrap_or(("0", &text));
     Some(from.parse().ok()?..to.parse().ok()?)
+}
+
+/// How to fly a seed of a test alone.
+fn replay(test: &str, seed: u64) -> String {
+    format!(
+        "replay it with {VARIABLE}={seed} cargo test -p csat-tests --test {test} -- --nocapture"
+    )
 }
 
 struct Announce {

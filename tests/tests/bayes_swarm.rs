@@ -4,7 +4,6 @@
 
 use csat_tests::bayes::swarm::{self, Exercise};
 use csat_tests::replay::Seeds;
-use rayon::prelude::*;
 
 /// Seeds that are flown every time, and new ones.
 const SEEDS: Seeds = Seeds {
@@ -15,25 +14,7 @@ const SEEDS: Seeds = Seeds {
 
 #[test]
 fn whatever_the_links_do_beliefs_are_products_and_healed_agents_agree() {
-    let seeds = SEEDS.all();
-    let flown: Vec<_> = seeds.par_iter().map(|&seed| (seed, swarm::fly(seed))).collect();
-    let mut failures = Vec::new();
-    let mut exercise = Exercise::default();
-    for (seed, result) in flown {
-        match result {
-            Ok(more) => exercise = exercise.with(more),
-            Err(law) => {
-                SEEDS.keep(seed, &law);
-                failures.push(format!(
-                    "seed {seed}: {law}\n    replay it with CSAT_SEED={seed} cargo test -p csat-tests --test \
-                     bayes_swarm -- --nocapture"
-                ));
-            }
-        }
-    }
-    println!("{exercise:#?}");
-    assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), seeds.len(), failures.join("\n"));
-    if seeds.len() as u64 >= SEEDS.fixed {
+    if let Some(exercise) = SEEDS.fly("bayes_swarm", swarm::fly, Exercise::with) {
         let Exercise { corrupted, duplicated, late, crashes, old, missed, ahead, .. } = exercise;
         let Exercise { repeated, relayed, sightings, products, equal, identical, .. } = exercise;
         let Exercise { stale, converged, tight, stationed, moving, .. } = exercise;

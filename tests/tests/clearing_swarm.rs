@@ -4,7 +4,6 @@
 
 use csat_tests::clearing::swarm::{self, Exercise};
 use csat_tests::replay::Seeds;
-use rayon::prelude::*;
 
 /// Seeds that are flown every time, and new ones.
 const SEEDS: Seeds = Seeds {
@@ -15,25 +14,7 @@ const SEEDS: Seeds = Seeds {
 
 #[test]
 fn whatever_the_links_do_what_is_called_cleared_is_cleared() {
-    let seeds = SEEDS.all();
-    let flown: Vec<_> = seeds.par_iter().map(|&seed| (seed, swarm::fly(seed))).collect();
-    let mut failures = Vec::new();
-    let mut exercise = Exercise::default();
-    for (seed, result) in flown {
-        match result {
-            Ok(more) => exercise = exercise.with(more),
-            Err(law) => {
-                SEEDS.keep(seed, &law);
-                failures.push(format!(
-                    "seed {seed}: {law}\n    replay it with CSAT_SEED={seed} cargo test -p csat-tests --test \
-                     clearing_swarm -- --nocapture"
-                ));
-            }
-        }
-    }
-    println!("{exercise:#?}");
-    assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), seeds.len(), failures.join("\n"));
-    if seeds.len() as u64 >= SEEDS.fixed {
+    if let Some(exercise) = SEEDS.fly("clearing_swarm", swarm::fly, Exercise::with) {
         let Exercise { cleared, splits, encounters, merges, stalled, lost, told, .. } = exercise;
         assert!([cleared, splits, merges, lost].iter().min() > Some(&2), "{exercise:?}");
         assert!([encounters, stalled, told].iter().min() > Some(&0), "{exercise:?}");

@@ -4,7 +4,6 @@
 
 use csat_tests::replay::Seeds;
 use csat_tests::swarm::{self, Exercise};
-use rayon::prelude::*;
 
 /// Seeds that are flown every time, and new ones.
 const SEEDS: Seeds = Seeds {
@@ -15,25 +14,7 @@ const SEEDS: Seeds = Seeds {
 
 #[test]
 fn whatever_the_links_do_the_guarantee_holds_and_a_healed_core_agrees() {
-    let seeds = SEEDS.all();
-    let flown: Vec<_> = seeds.par_iter().map(|&seed| (seed, swarm::fly(seed))).collect();
-    let mut failures = Vec::new();
-    let mut exercise = Exercise::default();
-    for (seed, result) in flown {
-        match result {
-            Ok(more) => exercise = exercise.with(more),
-            Err(law) => {
-                SEEDS.keep(seed, &law);
-                failures.push(format!(
-                    "seed {seed}: {law}\n    replay it with CSAT_SEED={seed} cargo test -p \
-                     csat-tests --test swarm -- --nocapture"
-                ));
-            }
-        }
-    }
-    println!("{exercise:#?}");
-    assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), seeds.len(), failures.join("\n"));
-    if seeds.len() as u64 >= SEEDS.fixed {
+    if let Some(exercise) = SEEDS.fly("swarm", swarm::fly, Exercise::with) {
         let Exercise { corrupted, duplicated, late, crashes, stale, .. } = exercise;
         let Exercise { merged, precise, missed, skewed, evasive, stationed, walled, .. } = exercise;
         let faults = [corrupted, duplicated, late, crashes, stale, missed, skewed];

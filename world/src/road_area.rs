@@ -6,7 +6,7 @@
 
 use csat_proto::model::Ground;
 
-use crate::bits::Bits;
+use crate::bits::{Bits, ones};
 use crate::map::Map;
 use crate::plane::{Bounds, Point, interval_near_segment};
 use crate::start_line::StartLine;
@@ -154,6 +154,33 @@ impl RoadArea {
         [cell as usize % columns, cell as usize / columns]
     }
 
+    /// Makes a cell road, or no road.
+    pub fn set(&mut self, cell: u32, is_road: bool) {
+        let [column, row] = self.place(cell);
+        self.bits.set_span(row, [column, column + 1], is_road);
+    }
+
+    /// The cells of road in a rectangle and those on its edge, by number; its south-west and north-east corners are
+    /// in metres of `world`.
+    pub fn cells_in(&self, corners: [[f64; 2]; 2]) -> impl Iterator<Item = u32> + '_ {
+        let index = |axis: usize, x: f64| {
+            ((x + self.ground.size_m[axis] / 2.0) / self.cell_m).floor().max(0.0) as usize
+        };
+        let [columns, rows] = [(0, self.columns()), (1, self.rows())].map(|(axis, count)| {
+            let [from, to] = corners.map(|corner| index(axis, corner[axis]));
+            from.min(count)..(to + 1).min(count)
+        });
+        rows.flat_map(move |row| {
+            let words = columns.start / 64..columns.end.div_ceil(64).max(columns.start / 64);
+            let found = words.flat_map(move |index| {
+                ones(self.bits.row(row)[index]).map(move |bit| 64 * index + bit)
+            });
+            let columns = columns.clone();
+            let found = found.filter(move |column| columns.contains(column));
+            found.map(move |column| self.number(column, row))
+        })
+    }
+
     /// The cells connected to a start line: R_S.
     pub fn component(&self, start: &StartLine) -> Self {
         let size = [self.columns(), self.rows()];
@@ -236,6 +263,24 @@ mod tests {
         assert_eq!(area.cell_at([30.0, 20.15]), Some(120 * 81 - 1));
         assert_eq!(area.cell_at([0.0, f64::NAN]), None);
         assert!(!area.contains(u32::MAX));
+    }
+
+    #[test]
+    fn cells_are_found_by_place_and_can_be_taken_out() {
+        let mut area =
+            RoadArea::new(&map(vec![vec![[-99.0, 0.1], [99.0, 0.1]]], vec![4.0]), CELL_M);
+        let corners = [[-10.0, -30.0], [25.0, 1.1]];
+        let is_in = |area: &RoadArea, cell: &u32| {
+            let [x, y] = area.middle(*cell);
+            (-10.0..=25.5).contains(&x) && y < 1.6
+        };
+        let all: Vec<u32> = area.cells().filter(|cell| is_in(&area, cell)).collect();
+        assert_eq!(area.cells_in(corners).collect::<Vec<_>>(), all);
+        assert!(area.cells_in([[90.0, 90.0], [99.0, 99.0]]).next().is_none());
+        area.set(all[3], false);
+        assert!(!area.contains(all[3]) && area.cells_in(corners).count() == all.len() - 1);
+        area.set(all[3], true);
+        assert_eq!(area.cells_in(corners).collect::<Vec<_>>(), all);
     }
 
     #[test]

@@ -220,10 +220,6 @@ impl ClearingAgent {
             self.reject(None, "old-frame", format!("step {step} after step {}", self.step));
             return false;
         }
-        if self.has_begun {
-            let flown = [0, 1].map(|axis| pose.p_world[axis] - self.pose.p_world[axis]);
-            self.counters.path_m += flown[0].hypot(flown[1]);
-        }
         (self.step, self.pose, self.has_begun, self.is_pending) = (step, pose, true, true);
         true
     }

@@ -4,6 +4,7 @@
 
 pub mod docs;
 pub mod fleet;
+pub mod shipped;
 pub mod sweeps;
 
 use std::io::Write;

@@ -9,7 +9,7 @@ use csat_bayes::factor::{Factor, FactorId};
 use csat_bayes::likelihood::{Likelihood, Sensor};
 use csat_mission::judge::{Broken, Judge, Judged, Promise, Truth};
 use csat_proto::ids::{AgentId, Incarnation};
-use serde_json::{Map, json};
+use serde_json::json;
 
 use super::report::Report;
 
@@ -88,7 +88,7 @@ impl Judge<Report> for Posterior {
         for factor in news {
             let (likelihood, is_same) = self.likelihood(&factor);
             if !is_same {
-                judged.faults.push(fault(FACTORS, agent, json!({ "factor": factor.id })));
+                judged.faults.push(Broken::new(FACTORS, agent, json!({ "factor": factor.id })));
             }
             let account = self.agents.entry(agent).or_default();
             if account.ids.insert(factor.id) {
@@ -111,17 +111,10 @@ impl Judge<Report> for Posterior {
                 let detail = json!({
                     "places": [first_place, place], "ln_ratio": told, "expected": expected,
                 });
-                judged.faults.push(fault(POSTERIOR, agent, detail));
+                judged.faults.push(Broken::new(POSTERIOR, agent, detail));
             }
         }
         judged.checks.push((POSTERIOR, report.probes.len() as u64 - 1));
         judged
     }
-}
-
-fn fault(promise: &'static str, agent: AgentId, detail: serde_json::Value) -> Broken {
-    let serde_json::Value::Object(detail) = detail else {
-        return Broken { promise, agent, detail: Map::new() };
-    };
-    Broken { promise, agent, detail }
 }

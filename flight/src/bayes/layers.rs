@@ -6,11 +6,11 @@ use csat_bayes::belief::region::CellSet;
 use csat_bayes::search_map::{Gaussian, SearchMap};
 use csat_mission::documents::micro;
 use csat_mission::picture::{
-    Area, Cells, Content, Heat, Layer, Mark, Properties, Ring, to_millimetre,
+    Area, Cells, Content, Heat, Layer, Mark, Ring, properties, to_millimetre,
 };
 use csat_mission::style::{Colour, Fill, Form, Line, Style};
 use csat_proto::model::Ground;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::report::{Maps, Report};
 
@@ -185,10 +185,4 @@ fn ellipse(estimate: &Gaussian) -> Area {
             "kind": "estimate", "target": 0, "mean": [x, y], "sigma_m": micro(estimate.sigma_m()),
         })),
     }
-}
-
-/// The members of a JSON object.
-fn properties(members: Value) -> Properties {
-    let Value::Object(members) = members else { return Properties::default() };
-    members
 }

@@ -15,7 +15,7 @@ use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::Step;
 use csat_world::contamination::{Contamination, Square};
 use csat_world::road_area::RoadArea;
-use serde_json::{Map, Value, json};
+use serde_json::json;
 
 use super::claims::Claims;
 use super::report::Report;
@@ -76,7 +76,7 @@ struct Waiting {
 }
 
 /// What the judge needs of a report.
-#[derive(Clone, Default)]
+#[derive(Default)]
 struct Seen {
     incarnation: Incarnation,
     is_cleaner: bool,
@@ -114,25 +114,36 @@ impl Safety {
             || alive.all(|(_, id)| oldest.reports.contains_key(&AgentId(id)))
     }
 
+    /// The step of `truth` among those that wait.
+    fn waiting_for(&mut self, truth: &Truth<'_>) -> &mut Waiting {
+        let place = self.waiting.iter().position(|waiting| waiting.step == truth.step);
+        let place = place.unwrap_or_else(|| {
+            let (poses, is_alive, reports) = (truth.poses.to_vec(), Vec::new(), BTreeMap::new());
+            self.waiting.push_back(Waiting { step: truth.step, poses, is_alive, reports });
+            self.waiting.len() - 1
+        });
+        &mut self.waiting[place]
+    }
+
     fn is_another_life(&self, id: AgentId, seen: &Seen) -> bool {
         self.last.get(&id).is_some_and(|last| last.incarnation != seen.incarnation)
     }
 
     /// Judges the oldest step that waits.
     fn judge_oldest(&mut self, judged: &mut Judged) {
-        let Some(Waiting { step, poses, is_alive, reports }) = self.waiting.pop_front() else {
+        let Some(Waiting { step, poses, is_alive, mut reports }) = self.waiting.pop_front() else {
             return;
         };
         for (index, is_alive) in is_alive.iter().enumerate().take(self.uavs) {
             let id = AgentId(index as u16);
-            let seen = reports.get(&id);
-            let is_over = seen.map_or(!is_alive, |seen| self.is_another_life(id, seen));
+            let seen = reports.remove(&id);
+            let is_over = seen.as_ref().map_or(!is_alive, |seen| self.is_another_life(id, seen));
             if is_over && self.last.remove(&id).is_some_and(|seen| seen.has_frontier) {
                 let deadline = Step(step.0.saturating_add(self.patience));
                 self.fallen = self.fallen.or(Some((id, deadline)));
             }
             match seen {
-                Some(seen) => drop(self.last.insert(id, seen.clone())),
+                Some(seen) => drop(self.last.insert(id, seen)),
                 None if is_over => {}
                 // It said nothing of this step: what it claimed before is no claim of this image.
                 None => self.last.entry(id).or_default().claims = None,
@@ -165,7 +176,7 @@ impl Safety {
         if step == deadline && !self.last.is_empty() {
             judged.checks.push((TOLD, 1));
             if !self.is_lost {
-                judged.faults.push(broken(TOLD, agent, json!({ "crashed": agent })));
+                judged.faults.push(Broken::new(TOLD, agent, json!({ "crashed": agent })));
             }
         }
     }
@@ -213,7 +224,7 @@ impl Safety {
     fn fault(&self, agent: AgentId, cells: &[u32]) -> Broken {
         let location = cells.first().map(|cell| self.connected.middle(*cell));
         let detail = json!({ "cells": cells.len(), "location": location });
-        broken(CLEARED, agent, detail)
+        Broken::new(CLEARED, agent, detail)
     }
 
     fn share_pct(&self, area_m2: f64) -> f64 {
@@ -230,7 +241,11 @@ impl Judge<Report> for Safety {
         if let Some(distance_px) = report.frontier_to_edge_px {
             judged.checks.push((FRONTIER, 1));
             if distance_px == 0 {
-                judged.faults.push(broken(FRONTIER, agent, json!({ "to_edge_px": distance_px })));
+                judged.faults.push(Broken::new(
+                    FRONTIER,
+                    agent,
+                    json!({ "to_edge_px": distance_px }),
+                ));
             }
         }
         let seen = Seen {
@@ -240,29 +255,12 @@ impl Judge<Report> for Safety {
             is_lost: report.is_lost,
             claims: report.claims.clone(),
         };
-        let step = truth.step;
-        match self.waiting.iter_mut().find(|waiting| waiting.step == step) {
-            Some(waiting) => drop(waiting.reports.insert(agent, seen)),
-            None => self.waiting.push_back(Waiting {
-                step,
-                poses: truth.poses.to_vec(),
-                is_alive: Vec::new(),
-                reports: BTreeMap::from([(agent, seen)]),
-            }),
-        }
+        self.waiting_for(truth).reports.insert(agent, seen);
         judged
     }
 
     fn close(&mut self, truth: &Truth<'_>, is_alive: &[bool]) -> Judged {
-        match self.waiting.iter_mut().find(|waiting| waiting.step == truth.step) {
-            Some(waiting) => waiting.is_alive = is_alive.to_vec(),
-            None => self.waiting.push_back(Waiting {
-                step: truth.step,
-                poses: truth.poses.to_vec(),
-                is_alive: is_alive.to_vec(),
-                reports: BTreeMap::new(),
-            }),
-        }
+        self.waiting_for(truth).is_alive = is_alive.to_vec();
         let mut judged = Judged::default();
         while self.is_complete() {
             self.judge_oldest(&mut judged);
@@ -286,9 +284,4 @@ impl Judge<Report> for Safety {
         let area_m2 = self.first_m2.get(usize::from(agent.0));
         vec![("cleared_by_uav_pct", area_m2.map(|area_m2| self.share_pct(*area_m2)))]
     }
-}
-
-fn broken(promise: &'static str, agent: AgentId, detail: Value) -> Broken {
-    let detail = if let Value::Object(detail) = detail { detail } else { Map::new() };
-    Broken { promise, agent, detail }
 }

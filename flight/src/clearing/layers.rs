@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use csat_clearing::agent::Role;
 use csat_clearing::bitmap::Bitmap;
-use csat_mission::picture::{Area, Cells, Content, Layer, Properties, Ring, to_millimetre};
+use csat_mission::picture::{Area, Cells, Content, Layer, Ring, properties, to_millimetre};
 use csat_mission::style::{Colour, Fill, Form, Line, Style};
 use csat_proto::camera::CameraModel;
 use csat_world::contamination::Square;
@@ -81,7 +81,10 @@ pub(super) fn picture(camera: &CameraModel, report: &Report) -> Vec<Layer> {
     if let Some(key) = layer_of(report.role) {
         let area = Area {
             shapes: vec![vec![outline(report.role, &square)]],
-            properties: properties(report),
+            properties: properties(json!({
+                "kind": report.role.name(), "agent": report.agent, "stalled": report.is_stalled,
+                "lost": report.is_lost,
+            })),
         };
         layers.push(Layer::new(key, Content::Areas(vec![area])));
     }
@@ -97,13 +100,6 @@ fn layer_of(role: Role) -> Option<&'static str> {
         Role::Helper => Some("helper"),
         Role::Station => None,
     }
-}
-
-fn properties(report: &Report) -> Properties {
-    let members = json!({
-        "kind": report.role.name(), "agent": report.agent, "stalled": report.is_stalled, "lost": report.is_lost,
-    });
-    members.as_object().cloned().unwrap_or_default()
 }
 
 /// The image of a cleaner, or a mark in the middle of that of another UAV.
@@ -134,16 +130,10 @@ fn outline(role: Role, square: &Square) -> Ring {
 fn on_ground(square: &Square, mask: &Bitmap) -> Cells {
     let cell_m = square.side_m / f64::from(mask.columns());
     let origin_m = square.middle.map(|middle| to_millimetre(middle - square.side_m / 2.0));
-    let mut runs: Vec<[u32; 3]> = Vec::new();
-    for [row, column] in mask.pixels() {
-        let (row, column) = (u32::from(mask.rows() - 1 - row), u32::from(column));
-        match runs.last_mut() {
-            Some([last, _, end]) if *last == row && *end == column => *end += 1,
-            _ => runs.push([row, column, column + 1]),
-        }
-    }
-    runs.sort_unstable();
-    Cells { cell_m, origin_m, runs }
+    let place = |[row, column]: [u16; 2]| (column.into(), (mask.rows() - 1 - row).into());
+    let mut cells = Cells::of(cell_m, origin_m, mask.pixels().map(place));
+    cells.runs.sort_unstable();
+    cells
 }
 
 #[cfg(test)]

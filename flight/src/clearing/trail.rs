@@ -38,16 +38,9 @@ impl Trails {
             cells.into_iter().flatten().map(move |cell| cell[axis]).min().unwrap_or_default()
         };
         let (south, west) = (first(0), first(1));
-        let mut runs: Vec<[u32; 3]> = Vec::new();
-        for [row, column] in cells.into_iter().flatten() {
-            let (row, column) = ((row - south) as u32, (column - west) as u32);
-            match runs.last_mut() {
-                Some([last, _, end]) if *last == row && *end == column => *end += 1,
-                _ => runs.push([row, column, column + 1]),
-            }
-        }
         let origin_m = [west, south].map(|index| f64::from(index) * CELL_M);
-        Cells { cell_m: CELL_M, origin_m, runs }
+        let place = |[row, column]: &[i32; 2]| ((column - west) as u32, (row - south) as u32);
+        Cells::of(CELL_M, origin_m, cells.into_iter().flatten().map(place))
     }
 }
 

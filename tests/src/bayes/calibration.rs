@@ -9,9 +9,10 @@ use csat_world::navigation::Noise;
 use rayon::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use super::missions::{Tables, tisdale, with_tables};
+use super::missions::Tables;
 use super::quiet::Quiet;
 use crate::missions::world_of;
+use crate::missions::{shipped, with_tables};
 
 /// The share of the probability that a region holds.
 pub const SHARE: f64 = 0.95;
@@ -54,7 +55,7 @@ impl Setting {
     }
 
     fn scenario(&self, seed: u64) -> Scenario {
-        let mut scenario = tisdale();
+        let mut scenario = shipped("tisdale");
         scenario.seed = seed;
         scenario.run.duration_s = self.looks_s.last().copied().unwrap_or_default();
         scenario.run.period_s = 0.5;

@@ -15,7 +15,8 @@ use csat_proto::radio::Reception;
 use csat_proto::time::{SimTime, Step};
 
 use super::equations::{Frame, image_of};
-use super::missions::{Tables, tisdale, with_tables};
+use super::missions::Tables;
+use crate::missions::{shipped, with_tables};
 
 /// Where the target is, `world`, metres.
 pub const TARGET: [f64; 2] = [28.0, 13.0];
@@ -59,7 +60,7 @@ impl Script {
 
     /// For a target that stands or walks, with changes to the mission's own tables.
     pub fn of(walks: bool, adapt: impl FnOnce(&mut Tables)) -> Self {
-        let mut scenario = tisdale();
+        let mut scenario = shipped("tisdale");
         if walks {
             scenario.targets.driving = Driving::RandomWalk;
             scenario.targets.walk_m_sqrt_s = 2.0;

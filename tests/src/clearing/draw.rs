@@ -1,35 +1,15 @@
 //! From a seed to a scenario of road clearing: every fault has its own rate, which is often 0.
 
 use csat_clearing::config::{Coding, Give, Rules};
+use csat_flight::scenario::Scenario;
 use csat_flight::scenario::clearing::Tables;
-use csat_flight::scenario::{self, Request, Scenario, missions};
 use csat_netem::config::{
     ChannelConfig, DelayConfig, LossConfig, OutageConfig, OutageKind, PartitionConfig,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// The shipped scenario `clearing`.
-///
-/// # Panics
-/// When it does not load.
-pub fn clearing() -> Scenario {
-    let request = Request { scenario: Some("clearing"), ..Request::default() };
-    scenario::load(request).expect("it is shipped").scenario
-}
-
-/// The scenario with these tables.
-///
-/// # Panics
-/// When something is wrong with it.
-pub fn with_tables(mut scenario: Scenario, tables: &Tables) -> Scenario {
-    scenario.own = toml::Table::try_from(tables).expect("tables are TOML");
-    let mission = missions::find(&scenario.mission).expect("it is shipped");
-    let issues = scenario::validate::validate(&scenario, mission.judge_scenario(&scenario));
-    let wrong: Vec<_> = issues.iter().filter(|issue| !issue.is_warning).collect();
-    assert!(wrong.is_empty(), "{wrong:#?}");
-    scenario
-}
+use crate::missions::{shipped, with_tables};
 
 /// The mission of a seed.
 #[derive(Debug, Clone)]
@@ -49,7 +29,7 @@ impl Draw {
     /// When something is wrong with it.
     pub fn new(seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut scenario = clearing();
+        let mut scenario = shipped("clearing");
         scenario.seed = rng.random::<u32>().into();
         let mut tables = Tables::default();
         world(&mut scenario, &mut tables, &mut rng);

@@ -37,7 +37,7 @@ impl Role {
 }
 
 /// What happened to an agent so far.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Counters {
     /// How often it took a frontier over.
     pub splits: u32,
@@ -47,8 +47,6 @@ pub struct Counters {
     pub merges: u32,
     /// How often it became a helper.
     pub calls: u32,
-    /// What it flew by its odometry, metres.
-    pub path_m: f64,
     /// What it said on the channel of short range, bytes.
     pub hbsr_bytes: u64,
     /// What it said on the channel of long range, bytes.

@@ -11,8 +11,9 @@ use csat_proto::time::Step;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::bayes::missions::{Tables, tisdale, with_tables};
+use crate::bayes::missions::Tables;
 use crate::faulty::Handicap;
+use crate::missions::{shipped, with_tables};
 
 /// The mission of a seed.
 #[derive(Debug, Clone)]
@@ -36,7 +37,7 @@ impl Draw {
     /// When something is wrong with it.
     pub fn new(seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut scenario = tisdale();
+        let mut scenario = shipped("tisdale");
         scenario.seed = rng.random::<u32>().into();
         world(&mut scenario, &mut rng);
         let mut tables = Tables::default();
