@@ -50,6 +50,8 @@ pub struct ClearingAgent {
     /// The pose of its odometry.
     pose: Pose,
     step: Step,
+    /// From the frame before to the last one.
+    periods: u32,
     /// Whether it had a frame or a step yet.
     has_begun: bool,
     /// Whether the last frame was not acted upon yet.
@@ -83,6 +85,7 @@ impl ClearingAgent {
             outbox: Outbox::default(),
             pose: Pose::default(),
             step: Step(0),
+            periods: 0,
             has_begun: false,
             is_pending: false,
             commanded_m: [0.0; 2],
@@ -220,6 +223,7 @@ impl ClearingAgent {
             self.reject(None, "old-frame", format!("step {step} after step {}", self.step));
             return false;
         }
+        self.periods = if self.has_begun { step.0 - self.step.0 } else { 0 };
         (self.step, self.pose, self.has_begun, self.is_pending) = (step, pose, true, true);
         true
     }

@@ -222,6 +222,11 @@ pub fn mistakes(config: &AgentConfig) -> Vec<Mistake> {
     );
     let expected = format!("more than 0, at most {pixel_m} m, a pixel");
     demand(step_m > 0.0 && step_m <= pixel_m, "clearing.step_m", step_m.to_string(), expected);
+    let expected =
+        format!("less than {step_m} m, clearing.step_m: else a cleaner cannot keep its place");
+    let motion_m = config.motion_error_m;
+    let key = "agents.multirotor.motion_error_m";
+    demand((0.0..step_m).contains(&motion_m), key, motion_m.to_string(), expected);
     demand(
         (0.0..=1000.0).contains(&spacing_m),
         "clearing.spacing_m",

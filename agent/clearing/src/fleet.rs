@@ -1,6 +1,6 @@
 //! What is known of the other agents: what they said last, and where they were.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::Step;
@@ -54,8 +54,12 @@ impl Peer {
 #[derive(Debug, Clone, Default)]
 pub struct Fleet {
     peers: BTreeMap<AgentId, Peer>,
+    /// Who was asked to take a frontier over, and was not heard as a cleaner since.
+    asked: BTreeSet<AgentId>,
     /// Whether a frontier was lost.
     has_lost: bool,
+    /// Whose frontier this agent noticed to be lost, until that is taken.
+    noticed: Option<AgentId>,
 }
 
 impl Fleet {
@@ -100,9 +104,8 @@ impl Fleet {
             return Err(Rejection::Incarnation { got: got.incarnation, known: peer.incarnation });
         }
         self.has_lost |= beat.has_lost;
+        let has_forgotten = got.incarnation > peer.incarnation && peer.guards();
         if got.incarnation > peer.incarnation {
-            // What it guarded it has forgotten.
-            self.has_lost |= peer.guards();
             *peer = Peer {
                 incarnation: got.incarnation,
                 formation: None,
@@ -128,15 +131,119 @@ impl Fleet {
             None if is_newest => peer.bearing = Some((bearing_rad, now)),
             _ => {}
         }
+        if has_forgotten {
+            self.lose(got.from);
+        }
+        if beat.duty == Duty::Cleaner {
+            self.asked.remove(&got.from);
+        }
         Ok(is_newest)
     }
 
-    /// Notices cleaners with a frontier that were silent for more than `steps` steps. Returns one of them, the
-    /// first time.
-    pub fn miss(&mut self, now: Step, steps: u32) -> Option<AgentId> {
-        let is_silent = |peer: &Peer| now.0.saturating_sub(peer.heard.0) > steps;
-        let silent = self.peers.iter().find(|(_, peer)| peer.guards() && is_silent(peer))?;
-        let is_first = !std::mem::replace(&mut self.has_lost, true);
-        is_first.then_some(*silent.0)
+    /// Notes that an agent is asked to take a frontier over: from now on it may guard one.
+    pub fn ask(&mut self, id: AgentId) {
+        self.asked.insert(id);
+    }
+
+    /// Notices those who may guard a frontier and were silent for more than `steps` steps. UAV 0 guards the first one,
+    /// also if it was never heard.
+    pub fn miss(&mut self, own: AgentId, now: Step, steps: u32) {
+        let is_silent = |heard: Step| now.0.saturating_sub(heard.0) > steps;
+        let silent = self
+            .peers
+            .iter()
+            .find(|(id, peer)| (peer.guards() || self.asked.contains(id)) && is_silent(peer.heard));
+        let first = AgentId(0);
+        let is_unheard = own != first && !self.peers.contains_key(&first) && is_silent(Step(0));
+        if let Some(id) = silent.map(|(id, _)| *id).or(is_unheard.then_some(first)) {
+            self.lose(id);
+        }
+    }
+
+    /// Notes that the frontier of an agent is lost.
+    pub fn lose(&mut self, id: AgentId) {
+        if !std::mem::replace(&mut self.has_lost, true) {
+            self.noticed = Some(id);
+        }
+    }
+
+    /// Whose frontier this agent was the first to notice to be lost; once.
+    pub fn take_noticed(&mut self) -> Option<AgentId> {
+        self.noticed.take()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::message::Message;
+
+    const OWN: AgentId = AgentId(2);
+    const PATIENCE: u32 = 10;
+
+    fn hear(fleet: &mut Fleet, now: u32, from: u16, duty: Duty, incarnation: u32) {
+        let beat = Beat {
+            duty,
+            leader: None,
+            followers: 0,
+            has_frontier: duty == Duty::Cleaner,
+            is_waiting: false,
+            has_lost: false,
+        };
+        let got = Received {
+            from: AgentId(from),
+            incarnation: Incarnation(incarnation),
+            step: Step(now),
+            message: Message { beat, formation: None, safe: None },
+            safe: None,
+            offset_m: None,
+        };
+        fleet.hear(Step(now), [0.0; 2], 0.0, &got).unwrap();
+    }
+
+    /// Whose frontier is noticed to be lost after a time in which only this was heard, at step 0.
+    fn missed(said: impl Fn(&mut Fleet)) -> Option<AgentId> {
+        let mut fleet = Fleet::default();
+        said(&mut fleet);
+        fleet.miss(OWN, Step(PATIENCE), PATIENCE);
+        assert_eq!(fleet.take_noticed(), None, "it may still be heard");
+        fleet.miss(OWN, Step(PATIENCE + 1), PATIENCE);
+        let noticed = fleet.take_noticed();
+        assert_eq!(fleet.has_lost(), noticed.is_some());
+        fleet.miss(OWN, Step(PATIENCE + 2), PATIENCE);
+        assert_eq!(fleet.take_noticed(), None, "it is said once");
+        noticed
+    }
+
+    #[test]
+    fn who_may_guard_a_frontier_is_missed() {
+        let first = |duty| move |fleet: &mut Fleet| hear(fleet, 0, 0, duty, 0);
+        assert_eq!(missed(first(Duty::Cleaner)), Some(AgentId(0)));
+        assert_eq!(missed(first(Duty::Helper)), None);
+        assert_eq!(missed(|_| {}), Some(AgentId(0)), "it was a cleaner from the first frame on");
+        let wing = |fleet: &mut Fleet| {
+            hear(fleet, 0, 0, Duty::Helper, 0);
+            hear(fleet, 0, 1, Duty::Follower, 0);
+        };
+        assert_eq!(missed(wing), None);
+        let asked = |fleet: &mut Fleet| {
+            wing(fleet);
+            fleet.ask(AgentId(1));
+        };
+        assert_eq!(missed(asked), Some(AgentId(1)));
+        let done = |fleet: &mut Fleet| {
+            asked(fleet);
+            hear(fleet, 0, 1, Duty::Cleaner, 0);
+            hear(fleet, 0, 1, Duty::Helper, 0);
+        };
+        assert_eq!(missed(done), None);
+    }
+
+    #[test]
+    fn a_cleaner_that_restarts_has_forgotten_its_frontier() {
+        let mut fleet = Fleet::default();
+        hear(&mut fleet, 0, 0, Duty::Cleaner, 0);
+        hear(&mut fleet, 1, 0, Duty::Helper, 1);
+        assert_eq!((fleet.has_lost(), fleet.take_noticed()), (true, Some(AgentId(0))));
     }
 }

@@ -11,13 +11,6 @@ use crate::config::AgentConfig;
 /// The drift of the odometry after which the lattice is taken up anew, pixels.
 pub const DRIFT_PX: f64 = 1.0;
 
-/// The middles of cells that touch are up to two pixels apart, because a cell may be wider than a pixel. So frontier
-/// pixels are those that have unknown road within this distance.
-pub const REACH: u16 = 2;
-
-/// What is between own pixels and unknown road that comes back into the image, beyond [`REACH`], pixels.
-const MOAT_PX: u16 = 3;
-
 /// See the module.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Radii {
@@ -28,8 +21,14 @@ pub struct Radii {
     pub rho: u16,
     /// A cell that touches a pixel of the image has its middle at most so far from it on the lattice.
     pub claim: u16,
+    /// The pixels of the middles of cells that touch are at most so far apart: frontier pixels are those that have
+    /// unknown road within this distance.
+    pub reach: u16,
     /// What the vehicle errs in a period.
     pub motion: u16,
+    /// What a frontier may seem to move in a period without any motion: the jitter, the rounding to whole pixels, and
+    /// the lattice that is taken up anew.
+    pub jitter: u16,
 }
 
 impl Radii {
@@ -46,7 +45,10 @@ impl Radii {
             // Both frames are placed wrongly, and the offset is rounded to whole pixels.
             rho: up(offset + 2.0 * placed + 0.5),
             claim: up(placed + cell),
+            // Two middles that are so far apart are in pixels that are at most one farther apart.
+            reach: (2.0 * cell + 1e-9) as u16 + 1,
             motion: up(config.motion_error_m / pixel_m),
+            jitter: up(config.odometry.jitter_m / pixel_m + 1.0 + DRIFT_PX),
         }
     }
 
@@ -56,17 +58,16 @@ impl Radii {
         self.out
     }
 
-    /// Cleared pixels nearer to the edge of the image than this are no longer the own ones: what is unknown and
-    /// enters the masks is farther than [`REACH`] from own pixels, also after `MOAT_PX` times that the lattice was
-    /// taken up anew.
+    /// A frontier is held as long as it is at least so far from the edge of the image: then all unknown road beside
+    /// it is decided.
     pub fn rim(&self) -> u16 {
-        self.blind().saturating_add(REACH + 1 + MOAT_PX)
+        self.blind().saturating_add(self.reach)
     }
 
-    /// The least distance of a frontier from the edge of the image that keeps it off the rim when the lattice
-    /// is taken up anew and while a frame is rounded to whole pixels.
+    /// The least distance from the edge to which a frontier may be driven, for what then may happen in a period
+    /// leaves it off the rim.
     pub fn least_guard(&self) -> u16 {
-        self.rim().saturating_add(2)
+        self.rim().saturating_add(self.jitter)
     }
 }
 

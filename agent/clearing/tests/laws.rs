@@ -4,7 +4,7 @@
 mod sim;
 
 use csat_clearing::agent::Role;
-use csat_clearing::config::{ClearingConfig, Coding, Rules};
+use csat_clearing::config::{ClearingConfig, Coding, OdometryBounds, Rules};
 use csat_proto::agent::Agent;
 use sim::links::LinkModel;
 use sim::town::Town;
@@ -16,6 +16,7 @@ const BAD: LinkModel =
 fn safe(setup: &Setup) -> Outcome {
     let outcome = fly(setup);
     assert_eq!((outcome.violations, &outcome.first_violation), (0, &None), "{setup:?}");
+    assert_eq!(outcome.overlooked, None, "{setup:?}");
     assert_eq!(outcome.rejected, 0);
     outcome
 }
@@ -39,6 +40,29 @@ fn one_uav_stalls_at_a_crossing_and_says_so() {
     let outcome = safe(&Setup { uavs: 1, ..Setup::new(Town::cross(), 2) });
     assert!(outcome.is_stalled && outcome.cleared_s.is_none(), "{outcome:?}");
     assert!(outcome.cleared_share > 0.3);
+}
+
+#[test]
+fn a_frontier_that_waits_is_held() {
+    let setup = Setup { uavs: 1, ..Setup::new(Town::cross(), 2) };
+    for (motion_error_m, drift_share, until_s) in [(0.02, 0.002, 1200.0), (0.12, 0.0, 700.0)] {
+        let odometry = OdometryBounds { drift_share, ..setup.odometry };
+        let mut flight = Flight::new(&Setup { motion_error_m, odometry, ..setup.clone() });
+        while flight.time_s() < until_s {
+            flight.advance();
+        }
+        let outcome = flight.finish();
+        assert!(outcome.is_stalled && !outcome.has_lost, "{outcome:?}");
+        assert_eq!((outcome.violations, outcome.overlooked), (0, None));
+    }
+}
+
+#[test]
+fn who_cannot_hold_a_frontier_says_so() {
+    let odometry = OdometryBounds { jitter_m: 0.1, drift_share: 0.2 };
+    let setup = Setup { uavs: 1, max_s: 400.0, odometry, ..Setup::new(Town::cross(), 2) };
+    let outcome = safe(&setup);
+    assert!(outcome.has_lost, "{outcome:?}");
 }
 
 #[test]

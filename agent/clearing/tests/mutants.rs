@@ -1,5 +1,5 @@
-//! Every known mistake is noticed: by contamination of what was claimed, by a frontier at the edge of an image, or by
-//! a frontier that is no boundary.
+//! Every known mistake is noticed: by contamination of what was claimed, by road that is overlooked, by a frontier at
+//! the edge of an image, or by a frontier that is no boundary.
 
 #[allow(dead_code)]
 mod sim;
@@ -9,12 +9,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use csat_clearing::bitmap::Rect;
 use csat_clearing::masks::{Masks, Sight};
 use csat_clearing::mutant::{Mutant, switch};
-use csat_clearing::radii::REACH;
 use sim::links::LinkModel;
 use sim::town::Town;
-use sim::{Setup, fly};
+use sim::{Outcome, Setup, fly};
 
-/// The frontier is what has unknown road within [`REACH`].
+/// The frontier is what has unknown road within reach.
 fn boundary() -> Option<String> {
     let sight = Sight::new(&Setup::new(Town::straight(), 0).config(0));
     let mut road = sight.nothing();
@@ -27,7 +26,7 @@ fn boundary() -> Option<String> {
     seeds.set(100, 200);
     let mut masks = Masks::new(&sight, road);
     masks.begin(&sight, &seeds);
-    let near = masks.unknown().dilated(REACH).and(masks.mine());
+    let near = masks.unknown().dilated(sight.radii.reach).and(masks.mine());
     (near != *masks.frontier()).then(|| "a frontier that is no boundary".to_owned())
 }
 
@@ -56,7 +55,8 @@ fn setups() -> Vec<Setup> {
 
 fn noticed() -> Option<String> {
     let flown = |(index, setup): (usize, Setup)| {
-        let result = catch_unwind(AssertUnwindSafe(|| fly(&setup).first_violation));
+        let broken = |outcome: Outcome| outcome.first_violation.or(outcome.overlooked);
+        let result = catch_unwind(AssertUnwindSafe(|| broken(fly(&setup))));
         let law = result.unwrap_or_else(|_| Some("an assertion".to_owned()))?;
         Some(format!("setup {index}: {law}"))
     };

@@ -51,9 +51,9 @@ fn world(scenario: &mut Scenario, tables: &mut Tables, rng: &mut ChaCha8Rng) {
     scenario.map.size_m = [0; 2].map(|_| pick(rng, &[200.0, 260.0, 330.0]));
     scenario.map.road_spacing_m = rng.random_range(45.0..130.0);
     scenario.agents.count = pick(rng, &[1, 2, 3, 4, 6, 8]);
-    scenario.agents.multirotor.motion_error_m = pick(rng, &[0.0, 0.02, 0.02, 0.05]);
-    tables.odometry.jitter_m = pick(rng, &[0.0, 0.05, 0.1]);
-    tables.odometry.drift_share = pick(rng, &[0.0, 0.001, 0.002]);
+    scenario.agents.multirotor.motion_error_m = pick(rng, &[0.0, 0.02, 0.05, 0.11]);
+    tables.odometry.jitter_m = pick(rng, &[0.0, 0.05, 0.1, 0.5]);
+    tables.odometry.drift_share = pick(rng, &[0.0, 0.001, 0.002, 0.05]);
     let noise = &mut tables.segmentation;
     noise.gap_px = pick(rng, &[0, 1, 1]);
     noise.gap_share = if noise.gap_px > 0 { rng.random_range(0.0..0.3) } else { 0.0 };

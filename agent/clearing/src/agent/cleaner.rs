@@ -14,7 +14,7 @@ use crate::exchange::validate::Received;
 use crate::formation::{Place, Roster, odd_tails};
 use crate::frontier::{Run, runs};
 use crate::giving::decide;
-use crate::masks::Masks;
+use crate::masks::{Masks, Sight};
 use crate::motion::{Direction, STAY};
 use crate::mutant::{Mutant, is_on};
 
@@ -88,25 +88,33 @@ impl Cleaner {
 impl ClearingAgent {
     /// Takes a frame in: the masks of a cleaner and of a wing advance.
     pub(super) fn look(&mut self, frame: &Frame) {
-        let moved = self.registration.place(&self.pose, self.commanded_m);
+        let moved = self.registration.place(&self.pose, self.commanded_m, self.periods);
         self.commanded_m = [0.0; 2];
         self.claims = self.nothing.clone();
         let is_first = self.config.id == AgentId(0)
             && self.config.incarnation == Incarnation(0)
             && self.counters.calls == 0
             && matches!(self.state, State::Helper { .. });
+        if moved.is_lost {
+            self.scout = None;
+        }
         if !is_first && !self.is_cleaner() && !self.is_scout() {
             self.scout = None;
             return;
         }
         let seen = self.sight.road(&frame.labels);
         if let State::Cleaner(cleaner) = &mut self.state {
-            cleaner.masks.advance(&self.sight, moved, &seen);
+            let is_held = cleaner.masks.advance(&self.sight, moved, &seen) && !moved.is_lost;
             cleaner.masks.grow(&self.sight);
+            // The rules of the paper do not know when they lose a frontier.
+            if !is_held && self.sight.rules == Rules::Acknowledged {
+                self.fleet.lose(self.config.id);
+            }
         } else if is_first {
             self.start(seen);
         } else if let Some(scout) = &mut self.scout {
-            scout.advance(&self.sight, moved, &seen);
+            // A scout has no frontier to hold.
+            let _ = scout.advance(&self.sight, moved, &seen);
         } else {
             self.registration.restart();
             self.scout = Some(Masks::new(&self.sight, seen));
@@ -154,7 +162,7 @@ impl ClearingAgent {
         let State::Cleaner(cleaner) = &mut self.state else {
             let by = self.registration.placement(offset_m);
             if let (Some(scout), Some(safe)) = (&mut self.scout, &got.safe) {
-                scout.learn(&safe.shifted(by));
+                scout.learn(&self.sight, &safe.shifted(by));
             }
             return;
         };
@@ -166,9 +174,9 @@ impl ClearingAgent {
         let is_by_overlap = self.sight.rules == Rules::Paper || is_on(Mutant::DeletedUnseen);
         let given_up = if is_by_overlap {
             let image = Bitmap::inside(self.sight.size, self.sight.size, self.sight.margin);
-            cleaner.masks.learn(&image.shifted(by))
+            cleaner.masks.learn(&self.sight, &image.shifted(by))
         } else if let Some(safe) = &got.safe {
-            cleaner.masks.learn(&safe.shifted(by))
+            cleaner.masks.learn(&self.sight, &safe.shifted(by))
         } else {
             0
         };
@@ -224,8 +232,9 @@ impl ClearingAgent {
     /// The end of a step: what to do next.
     pub(super) fn decide(&mut self) {
         let missing = self.config.steps(self.config.clearing.lost_after_s);
-        if let Some(agent) = self.fleet.miss(self.step, missing) {
-            self.events.push_back(Event::Lost { step: self.step, cleaner: agent });
+        self.fleet.miss(self.config.id, self.step, missing);
+        if let Some(cleaner) = self.fleet.take_noticed() {
+            self.events.push_back(Event::Lost { step: self.step, cleaner });
         }
         self.update_follower();
         self.update_helper();
@@ -342,7 +351,7 @@ impl ClearingAgent {
     }
 
     /// Asks the nearest wings to take runs over.
-    fn ask(&self, cleaner: &mut Cleaner) {
+    fn ask(&mut self, cleaner: &mut Cleaner) {
         cleaner.requests.clear();
         let mut wings: Vec<AgentId> = cleaner.roster.wings.iter().flatten().copied().collect();
         for index in &cleaner.give {
@@ -356,10 +365,11 @@ impl ClearingAgent {
                 return;
             };
             request.to = wings.remove(nearest);
+            self.fleet.ask(request.to);
             cleaner.requests.push(request);
         }
         if self.sight.rules == Rules::Paper || is_on(Mutant::GivenAtOnce) {
-            give_at_once(cleaner, &self.sight.nothing());
+            give_at_once(cleaner, &self.sight);
         }
     }
 
@@ -375,10 +385,10 @@ impl ClearingAgent {
 }
 
 /// The paper's split: what others are asked to take over is theirs at once.
-fn give_at_once(cleaner: &mut Cleaner, nothing: &Bitmap) {
+fn give_at_once(cleaner: &mut Cleaner, sight: &Sight) {
     for request in &cleaner.requests {
-        let mut given = nothing.clone();
+        let mut given = sight.nothing();
         given.fill(&request.rect());
-        cleaner.masks.learn(&given.dilated(3));
+        cleaner.masks.learn(sight, &given.dilated(3));
     }
 }

@@ -83,11 +83,11 @@ pub enum Event {
         /// The number of sub-frontiers that it would have to give away.
         runs: u32,
     },
-    /// A cleaner is silent, and what it guarded is lost.
+    /// A cleaner is silent, or its frontier has left its image: what it guarded is lost.
     Lost {
         /// The step.
         step: Step,
-        /// The silent one.
+        /// Which one: this one, if its own frontier has left its image.
         cleaner: AgentId,
     },
     /// It dropped a message; reported once per reason and sender.

@@ -8,7 +8,7 @@ pub mod vehicle;
 
 use csat_clearing::agent::{ClearingAgent, Role};
 use csat_clearing::bitmap::Bitmap;
-use csat_clearing::config::{AgentConfig, ClearingConfig, OdometryBounds, mistakes};
+use csat_clearing::config::{AgentConfig, ClearingConfig, OdometryBounds, Rules, mistakes};
 use csat_proto::agent::Agent;
 use csat_proto::camera::CameraModel;
 use csat_proto::command::Command;
@@ -21,6 +21,8 @@ use truth::Truth;
 use vehicle::Vehicle;
 
 pub const PERIOD_S: f64 = 0.125;
+/// How often masks are held against the truth, steps.
+const CHECK_STEPS: u32 = 8;
 pub const HBSR: ChannelId = ChannelId(0);
 pub const LBLR: ChannelId = ChannelId(1);
 
@@ -102,6 +104,8 @@ pub struct Outcome {
     /// Steps in which something that was claimed to be cleared was contaminated.
     pub violations: u32,
     pub first_violation: Option<String>,
+    /// Where road was taken for cleared, or for no road, that nobody has cleared.
+    pub overlooked: Option<String>,
     /// When it ended, seconds.
     pub end_s: f64,
     pub is_stalled: bool,
@@ -216,8 +220,16 @@ impl Flight {
             let agent = &self.agents[index];
             assert_eq!(agent.step(), Step(self.step));
             self.truth.claim(self.vehicles[index].place_m, agent.claims());
-            let inside = Bitmap::inside(256, 256, self.setup.config(0).radii().blind());
-            assert!(!agent.frontier().meets(&inside.complement()), "a frontier at the edge");
+            if let Some(masks) = agent.masks() {
+                self.truth.take(self.vehicles[index].place_m, masks.mine());
+            }
+            let inside = Bitmap::inside(256, 256, self.setup.config(0).radii().rim());
+            let is_held = !agent.frontier().meets(&inside.complement());
+            let is_safe = self.setup.clearing.rules == Rules::Acknowledged;
+            assert!(is_held || agent.has_lost() || !is_safe, "a frontier at the edge");
+        }
+        if self.step.is_multiple_of(CHECK_STEPS) {
+            self.check_masks();
         }
         // Who notices a loss withdraws the claims of all.
         self.outcome.has_lost |= self.agents.iter().any(ClearingAgent::has_lost);
@@ -235,6 +247,19 @@ impl Flight {
             self.idle_since = None;
         } else {
             self.idle_since.get_or_insert(time_s);
+        }
+    }
+
+    /// All road in sight that is not in 𝒱 is unknown to the agent.
+    fn check_masks(&mut self) {
+        for index in self.alive() {
+            let (agent, place_m) = (&self.agents[index], self.vehicles[index].place_m);
+            let Some(masks) = agent.masks().filter(|_| !self.outcome.has_lost) else { continue };
+            let margin = agent.config().radii().blind() + truth::SLACK_PX;
+            if let Some(pixel) = self.truth.overlooked(place_m, masks.unknown(), margin) {
+                let found = format!("{} s, UAV {index}, pixel {pixel:?}", self.time_s());
+                self.outcome.overlooked.get_or_insert(found);
+            }
         }
     }
 

@@ -9,6 +9,9 @@ pub const CELL_M: f64 = 0.5;
 pub const IMAGE_M: f64 = 2.0 * 70.0 * 0.839_099_631_177_280_1;
 pub const PIXEL_M: f64 = IMAGE_M / 256.0;
 
+/// By how much the place of an image on the lattice may be wrong, pixels, rounded up.
+pub const SLACK_PX: u16 = 3;
+
 /// Row 0 of the raster is the southern one.
 pub struct Truth {
     half_m: f64,
@@ -19,6 +22,8 @@ pub struct Truth {
     pub contaminated: Bitmap,
     /// All that was ever claimed to be cleared.
     pub claimed: Bitmap,
+    /// 𝒱, and what is near it: all that a cleaner may have taken for cleared.
+    pub taken: Bitmap,
 }
 
 impl Truth {
@@ -38,8 +43,9 @@ impl Truth {
         start.set(row, 0);
         let reached = Bitmap::flood(&start, &road);
         assert!(!reached.is_empty(), "no road at the start");
-        let claimed = Bitmap::new(size, size);
-        Self { half_m: town.half_m, size, contaminated: road.clone(), road, reached, claimed }
+        let [claimed, taken] = [(); 2].map(|()| Bitmap::new(size, size));
+        let contaminated = road.clone();
+        Self { half_m: town.half_m, size, contaminated, road, reached, claimed, taken }
     }
 
     /// The cells that lie wholly between two coordinates, or that touch what is between them.
@@ -81,8 +87,23 @@ impl Truth {
     }
 
     /// Notes what an agent at this place claims in its image: all cells that touch a pixel.
-    pub fn claim(&mut self, [x, y]: [f64; 2], claims: &Bitmap) {
-        let mut pixels = claims.pixels().peekable();
+    pub fn claim(&mut self, place_m: [f64; 2], claims: &Bitmap) {
+        for rect in self.touched(place_m, claims) {
+            self.claimed.fill(&rect);
+        }
+    }
+
+    /// Notes what an agent at this place takes for cleared by itself.
+    pub fn take(&mut self, place_m: [f64; 2], mine: &Bitmap) {
+        for rect in self.touched(place_m, &mine.dilated(SLACK_PX)) {
+            self.taken.fill(&rect);
+        }
+    }
+
+    /// The cells that touch pixels of the image of an agent at this place.
+    fn touched(&self, [x, y]: [f64; 2], mask: &Bitmap) -> Vec<Rect> {
+        let mut found = Vec::new();
+        let mut pixels = mask.pixels().peekable();
         while let Some([row, first]) = pixels.next() {
             let mut last = first;
             while pixels.next_if_eq(&[row, last + 1]).is_some() {
@@ -92,10 +113,26 @@ impl Truth {
             let left = x - IMAGE_M / 2.0;
             let columns = [f64::from(first), f64::from(last) + 1.0].map(|c| left + c * PIXEL_M);
             let rows = self.cells(top - PIXEL_M, top, false);
-            if let Some((rows, columns)) = rows.zip(self.cells(columns[0], columns[1], false)) {
-                self.claimed.fill(&Rect { rows, columns });
-            }
+            let columns = self.cells(columns[0], columns[1], false);
+            found.extend(rows.zip(columns).map(|(rows, columns)| Rect { rows, columns }));
         }
+        found
+    }
+
+    /// A pixel of the image of an agent at this place that shows road which nobody has taken for cleared, and which
+    /// is not near to what the agent takes for unknown road.
+    pub fn overlooked(&self, [x, y]: [f64; 2], unknown: &Bitmap, margin: u16) -> Option<[u16; 2]> {
+        let allowed = unknown.dilated(SLACK_PX);
+        let middle = |index: u16| (f64::from(index) + 0.5) * PIXEL_M - IMAGE_M / 2.0;
+        let inside = margin..256 - margin;
+        inside.clone().flat_map(|row| inside.clone().map(move |column| [row, column])).find(
+            |[row, column]| {
+                let cell = self.index(y - middle(*row)).zip(self.index(x + middle(*column)));
+                let is_open =
+                    |(row, column)| self.road.get(row, column) && !self.taken.get(row, column);
+                cell.is_some_and(is_open) && !allowed.get(*row, *column)
+            },
+        )
     }
 
     /// A place that was claimed to be cleared and is contaminated, metres.
