@@ -10,7 +10,7 @@ use csat_proto::time::Step;
 
 use super::answer;
 use super::factor_set::FactorSet;
-use super::message::{MAX_PLAN, Message, POSE_BYTES, Plan, size_of};
+use super::message::{MAX_FACTOR_BYTES, MAX_PLAN, Message, POSE_BYTES, Plan, size_of};
 use super::outbox::Outbox;
 pub use super::outbox::Stamp;
 use super::ratings::Ratings;
@@ -129,7 +129,9 @@ impl Exchange {
     ) {
         let around = Envelope::HEADER_BYTES_MAX + MAX_PLAN * POSE_BYTES;
         let waiting = self.waiting.as_ref().map_or(0, |(_, bytes)| bytes + around);
-        self.outbox.budget.earn(stamp.now, self.config.period_s, waiting);
+        // However small the budget is, a factor can be paid for after some time.
+        let one = self.outbox.envelope_bytes(stamp) + LENGTHS_BYTES + MAX_FACTOR_BYTES;
+        self.outbox.budget.earn(stamp.now, self.config.period_s, waiting.max(one));
         match self.config.exchange.mode {
             ExchangeMode::None => {}
             ExchangeMode::Facts => self.say_once(stamp, plan),

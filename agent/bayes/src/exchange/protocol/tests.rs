@@ -220,6 +220,19 @@ fn a_budget_is_kept_and_the_worthiest_are_said_first() {
 }
 
 #[test]
+fn with_a_tiny_budget_little_is_said_but_not_nothing() {
+    for mode in [ExchangeMode::Facts, ExchangeMode::FactsRepair] {
+        let mut pair = peers(&[0, 1], |config| {
+            config.exchange.budget_bytes_s = 20.0;
+            config.exchange.mode = mode;
+        });
+        fly(&mut pair, 0..120, |_, _, _| true);
+        let said = pair[1].set.iter().filter(|factor| factor.id.source == AgentId(0)).count();
+        assert!(said >= 5 && pair[0].bytes() as f64 <= 60.0 * 20.0 + 200.0, "{said} in {mode:?}");
+    }
+}
+
+#[test]
 fn plans_take_a_part_of_a_budget() {
     let mut config = config(0);
     config.exchange.budget_bytes_s = 400.0;
