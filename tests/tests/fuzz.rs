@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use csat_tests::fuzz::{TARGETS, factors, seeds, spoil};
+use csat_tests::fuzz::{TARGETS, clearing, factors, seeds, spoil};
 
 #[test]
 fn whatever_was_kept_is_harmless() {
@@ -36,6 +36,7 @@ fn the_fuzzers_begin_with_what_is_harmless() {
                 "fact" => spoil::fact,
                 "snapshot" => spoil::snapshot,
                 "factors" => factors::lie::talk,
+                "clearing" => clearing::talk,
                 _ => continue,
             };
             for seed in 0..20 {

@@ -39,6 +39,7 @@ use duty::State;
 pub use report::{Counters, Event, Role};
 
 /// One UAV or ground station of the road clearing.
+#[derive(Debug, Clone)]
 pub struct ClearingAgent {
     config: AgentConfig,
     sight: Sight,
@@ -50,6 +51,8 @@ pub struct ClearingAgent {
     /// The pose of its odometry.
     pose: Pose,
     step: Step,
+    /// That of its first one.
+    first: Step,
     /// From the frame before to the last one.
     periods: u32,
     /// Whether it had a frame or a step yet.
@@ -77,14 +80,20 @@ impl ClearingAgent {
     pub fn new(config: &AgentConfig) -> Self {
         let sight = Sight::new(config);
         let nothing = sight.nothing();
+        let mut fleet = Fleet::default();
+        // Nobody else can have taken its frontier over.
+        if config.incarnation > Incarnation(0) && config.fleet.count == 1 && !config.is_station() {
+            fleet.lose(config.id);
+        }
         Self {
             mover: Mover::new(config),
             registration: Registration::new(config),
             state: State::initial(config),
-            fleet: Fleet::default(),
+            fleet,
             outbox: Outbox::default(),
             pose: Pose::default(),
             step: Step(0),
+            first: Step(0),
             periods: 0,
             has_begun: false,
             is_pending: false,
@@ -223,7 +232,10 @@ impl ClearingAgent {
             self.reject(None, "old-frame", format!("step {step} after step {}", self.step));
             return false;
         }
-        self.periods = if self.has_begun { step.0 - self.step.0 } else { 0 };
+        if !self.has_begun {
+            (self.first, self.step) = (step, step);
+        }
+        self.periods = step.0 - self.step.0;
         (self.step, self.pose, self.has_begun, self.is_pending) = (step, pose, true, true);
         true
     }

@@ -7,11 +7,13 @@
 //! | [`fact`] | the body of a fact | believed or not, the agent works on, and others accept its messages |
 //! | [`snapshot`] | the body of a snapshot | the same |
 //! | [`factors()`] | messages of the Bayesian search, one after the other | each is dropped, or what of it is not held is counted; own factors stay, beliefs are finite |
+//! | [`clearing()`] | the body of a message of the road clearing | believed or not, the agents work on, and others accept their messages |
 //! | [`mod@scenario`] | a scenario file | it is loaded, or every mistake is reported |
 //! | [`wire::frame`] | a frame's header and pixels | no panic; accepted input is the same after encoding and decoding |
 //! | [`wire::control`] | JSON or a report between world and agents | the same |
 //! | [`wire::queue`] | messages and orders in any sequence | each message is delivered once, and only when announced |
 
+pub mod clearing;
 pub mod factors;
 mod moment;
 pub mod spoil;
@@ -27,6 +29,7 @@ use csat_proto::message::{Fact, Message, Snapshot};
 use csat_proto::region::{metres, to_units};
 use csat_proto::time::Step;
 
+pub use clearing::clearing;
 pub use factors::factors;
 pub use moment::Moment;
 
@@ -34,11 +37,12 @@ pub use moment::Moment;
 pub type Check = fn(&[u8]);
 
 /// The targets, as folders of `fuzz/corpus` and as functions.
-pub const TARGETS: [(&str, Check); 8] = [
+pub const TARGETS: [(&str, Check); 9] = [
     ("envelope", envelope),
     ("fact", fact),
     ("snapshot", snapshot),
     ("factors", factors),
+    ("clearing", clearing),
     ("scenario", scenario),
     ("frame", wire::frame),
     ("control", wire::control),
@@ -183,6 +187,7 @@ pub fn seeds() -> Vec<(&'static str, String, Vec<u8>)> {
     }
     seeds.push(("scenario", "default.toml".into(), default_scenario().into_bytes()));
     seeds.extend(factors::seeds());
+    seeds.extend(clearing::seeds());
     seeds.extend(wire::seeds());
     seeds
 }
