@@ -46,7 +46,8 @@ pub enum StartLineError {
 }
 
 impl StartLine {
-    /// The start line at a point, `world`, metres; without one, the nearest to the middle of the western border.
+    /// The start line at a point, `world`, metres. Without one: of those to which most of the roads are connected, the
+    /// nearest to the middle of the western border.
     ///
     /// # Errors
     /// When no road crosses the border, or the point is farther than a cell from those that do.
@@ -56,8 +57,15 @@ impl StartLine {
         }
         let point = at.unwrap_or([-area.ground().size_m[0] / 2.0, 0.0]);
         let distance_m = |line: &Self| distance_to_segment_m(point, line.a, line.b);
-        let lines = Self::all(area).into_iter();
-        let nearest = lines.min_by(|p, q| distance_m(p).total_cmp(&distance_m(q)));
+        let mut lines = Self::all(area);
+        if at.is_none() {
+            let connected = |line: &Self| area.component(line).bits.count();
+            let sizes: Vec<usize> = lines.iter().map(connected).collect();
+            let most = sizes.iter().copied().max();
+            let mut sizes = sizes.into_iter();
+            lines.retain(|_| sizes.next() == most);
+        }
+        let nearest = lines.into_iter().min_by(|p, q| distance_m(p).total_cmp(&distance_m(q)));
         let Some(nearest) = nearest else {
             return Err(StartLineError::NoCrossing { area_m2: area.area_m2() });
         };
@@ -162,6 +170,15 @@ mod tests {
         );
         let cells = west.cells(&roads);
         assert!((11..=13).contains(&cells.len()) && cells.iter().all(|cell| cell[0] == 0));
+    }
+
+    #[test]
+    fn by_default_a_stub_is_no_start() {
+        let roads = area(&[[[-40.0, 0.0], [-25.0, 0.0]], [[-5.0, -15.0], [50.0, -15.0]]]);
+        let east = StartLine::choose(&roads, None).unwrap();
+        assert_eq!(east.a[0], 30.0, "most of the roads are connected to it");
+        let stub = StartLine::choose(&roads, Some([-30.0, 0.0])).unwrap();
+        assert_eq!(stub.a[0], -30.0);
     }
 
     #[test]

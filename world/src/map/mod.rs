@@ -103,7 +103,7 @@ pub struct MapConfig {
     #[serde(skip_serializing_if = "DesertModel::is_usual")]
     pub desert: DesertModel,
     /// A point on a road at the border of the region, [east, north] in metres of `world`: what UAVs clear are
-    /// the roads connected to it. Without it, it is on the road nearest to the middle of the western border.
+    /// the roads connected to it. Without it: see [`StartLine::choose`](crate::start_line::StartLine::choose).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_line: Option<[f64; 2]>,
 }
