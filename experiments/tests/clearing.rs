@@ -56,7 +56,13 @@ fn processes_clear_the_same_roads() {
 }
 
 /// A key, and the values of others with which it has an effect.
-const KEYS: [Key; 27] = [
+const KEYS: [Key; 30] = [
+    ("clearing.give=\"paper\"", &["seed=2", "run.duration_s=200"]),
+    ("clearing.guard_px=16", &[]),
+    (
+        "netem.lblr.bearing_error_deg=60",
+        &["netem.hbsr.range_m=10", "netem.lblr.bearing_error_deg=0"],
+    ),
     ("clearing.coding=\"bitmap\"", &["netem.hbsr.rate={bytes_s=20000,burst_bytes=9000}"]),
     ("clearing.margin_px=30", &[]),
     ("clearing.step_m=0.1", &[]),
@@ -95,6 +101,22 @@ fn traces(summary: &Value) -> [Value; 3] {
 fn every_key_has_an_effect() {
     SMALL.every_key_changes(&KEYS, traces);
     let base = scratch();
+    // A UAV alone cannot split its frontier.
+    let alone = ["agents.count=1", "run.duration_s=200"];
+    for (patience_s, is_stalled) in [("1", true), ("1000", false)] {
+        let patience = format!("clearing.patience_s={patience_s}");
+        let summary =
+            SMALL.flown(base.path(), "run", patience_s, &[&alone[..], &[&patience]].concat());
+        assert_eq!(summary["stalled"], is_stalled, "{patience}");
+    }
+    // The rules of the paper leak, which is a violation.
+    let paper = ["clearing.rules=\"paper\"", "run.duration_s=200"];
+    let sets = SMALL.sets.iter().chain(&paper).flat_map(|set| ["--set", set]);
+    let arguments: Vec<&str> =
+        ["run", "clearing", "--out", "paper"].into_iter().chain(sets).collect();
+    let output = csat(base.path(), &arguments);
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("a road called cleared that is contaminated"));
     // The radios change places.
     let both = ["netem.lblr.offset_error_m=0.3", "netem.hbsr.range_m=1000"];
     let swapped = ["clearing.hbsr=\"lblr\"", "clearing.lblr=\"hbsr\""];
@@ -165,6 +187,10 @@ fn what_the_method_assumes_is_demanded() {
     refused(&["clearing.margin_px=128"], "`clearing.margin_px`");
     refused(&["netem.lblr.range_m=300"], "across the region");
     refused(&["clearing.guard_px=1"], "`clearing.guard_px`");
+    refused(&["clearing.rules=3"], "expected one of `acknowledged`, `paper`");
+    refused(&["odometry=[0.1, 0.1]"], "`odometry` cannot be a list");
+    refused(&["agents.multirotor.motion_error_m=0.2"], "a cleaner cannot keep its place");
+    refused(&["netem.hbsr.offset_error_m=1e300"], "no mask is safe");
     refused(&["odometry.jitter_m=-1"], "`odometry.jitter_m`");
     refused(&["agents.speed_m_s=0.5"], "1.414 m/s");
     let roads = r#"{"type":"FeatureCollection","features":[]}"#;

@@ -21,7 +21,7 @@ use csat_experiments::watch::document::Document;
 use csat_experiments::watch::feed::Hub;
 use csat_experiments::watch::server::{self, Source};
 use serde_json::json;
-use watched::{HASH, SEARCHED, SMALL, browser, picture, shot, text, watch, watch_with};
+use watched::{CLEARED, HASH, SEARCHED, SMALL, browser, picture, shot, text, watch, watch_with};
 
 /// A mission of three UAVs and 12 s, the third of which crashes at 8 s, and what the page shows of it.
 struct Shown {
@@ -60,6 +60,21 @@ const SEARCH: Shown = Shown {
     empty: &["buildings", "roads"],
 };
 
+const CLEARING: Shown = Shown {
+    scenario: "clearing",
+    sets: CLEARED,
+    curves: 5,
+    legend: &[
+        "road that it has cleared so far",
+        "road that others have cleared",
+        "road that is not known to be cleared",
+        "its frontier",
+        "image of a cleaner",
+    ],
+    layer: "frontier",
+    empty: &["buildings", "cars", "plans", "view-foreign", "view-wing", "view-tail", "view-helper"],
+};
+
 #[test]
 fn a_recording_plays_in_a_browser() {
     plays(&STORM);
@@ -68,6 +83,11 @@ fn a_recording_plays_in_a_browser() {
 #[test]
 fn a_recorded_search_plays_in_a_browser() {
     plays(&SEARCH);
+}
+
+#[test]
+fn recorded_road_clearing_plays_in_a_browser() {
+    plays(&CLEARING);
 }
 
 fn plays(shown: &Shown) {

@@ -174,7 +174,14 @@ impl Summary {
             Some(format!("{} {number}{}, ", column.name, self.milestones(kind, column.key)))
         };
         let columns = kind.headline.iter().filter_map(|key| kind.column(key));
-        columns.filter_map(reached).collect()
+        let flags = kind.columns.iter().filter(|column| column.is_flag && self.is_set(column));
+        let flags = flags.map(|column| format!("{}, ", column.name));
+        columns.filter_map(reached).chain(flags).collect()
+    }
+
+    /// Whether a flag was set at the end: `lost, `.
+    fn is_set(&self, column: &Column) -> bool {
+        column.last_as.and_then(|key| self.numbers.get(key)).is_some_and(|value| value >= 0.5)
     }
 
     /// When a column reached what: ` (all after 93 s)`.
@@ -279,6 +286,17 @@ impl Messages {
 mod tests {
     use super::*;
     use crate::testing::summary as sample;
+
+    #[test]
+    fn what_is_set_at_the_end_is_said() {
+        let mut summary = sample();
+        summary.mission = "clearing".to_owned();
+        assert!(!summary.describe().contains("stalled"));
+        summary.numbers.set("stalled", Some(1.0));
+        summary.numbers.set("lost", Some(0.0));
+        let told = summary.describe();
+        assert!(told.contains("stalled, violations") && !told.contains("lost,"), "{told}");
+    }
 
     /// docs/outputs.md; whoever reads summaries relies on these names.
     #[test]

@@ -205,28 +205,33 @@ pub fn mistakes(config: &AgentConfig) -> Vec<Mistake> {
     let at_most = format!("at most {cell_m} m, the side of a cell");
     demand(pixel_m <= cell_m, "camera.columns", format!("pixels of {pixel_m} m"), at_most);
     let radii = config.radii();
-    let least = radii.least_guard();
-    demand(
-        guard_px >= least,
-        "clearing.guard_px",
-        guard_px.to_string(),
-        format!("at least {least}"),
-    );
-    let least = guard_px.saturating_add(radii.motion + 2);
+    // Beyond M there has to be room for the errors of a motion, and a quarter of the image is left for M.
+    let slack = radii.motion.saturating_add(2);
     let most = columns / 4;
-    demand(
-        (least..=most).contains(&margin_px),
-        "clearing.margin_px",
-        margin_px.to_string(),
-        format!("{least} to {most}"),
-    );
+    let (least_guard, most_guard) = (radii.least_guard(), most.saturating_sub(slack));
+    let is_guard = (least_guard..=most_guard).contains(&guard_px);
+    let expected = match least_guard <= most_guard {
+        true => format!("{least_guard} to {most_guard}"),
+        false => format!(
+            "{least_guard} or more for these errors of segmentation, odometry and motion, which is too much for {columns} columns"
+        ),
+    };
+    demand(is_guard, "clearing.guard_px", guard_px.to_string(), expected);
+    let least = guard_px.saturating_add(slack);
+    let is_margin = (least..=most).contains(&margin_px) || !is_guard && margin_px <= most;
+    let expected = if is_guard { format!("{least} to {most}") } else { format!("at most {most}") };
+    demand(is_margin, "clearing.margin_px", margin_px.to_string(), expected);
+    let unsafe_px = 2 * (u32::from(radii.blind()) + u32::from(radii.rho));
+    let key = format!("netem.{}.offset_error_m", config.clearing.hbsr);
+    let expected = "less: at this error no mask is safe at any pixel".to_owned();
+    demand(unsafe_px < columns.into(), &key, config.offset_error_m.to_string(), expected);
     let expected = format!("more than 0, at most {pixel_m} m, a pixel");
     demand(step_m > 0.0 && step_m <= pixel_m, "clearing.step_m", step_m.to_string(), expected);
     let expected =
         format!("less than {step_m} m, clearing.step_m: else a cleaner cannot keep its place");
     let motion_m = config.motion_error_m;
-    let key = "agents.multirotor.motion_error_m";
-    demand((0.0..step_m).contains(&motion_m), key, motion_m.to_string(), expected);
+    let can_hold = (0.0..step_m).contains(&motion_m) || step_m <= 0.0;
+    demand(can_hold, "agents.multirotor.motion_error_m", motion_m.to_string(), expected);
     demand(
         (0.0..=1000.0).contains(&spacing_m),
         "clearing.spacing_m",
@@ -236,7 +241,7 @@ pub fn mistakes(config: &AgentConfig) -> Vec<Mistake> {
     for (key, seconds) in times(&config.clearing) {
         let key = format!("clearing.{key}");
         let is_time = seconds > 0.0 && seconds.is_finite();
-        demand(is_time, &key, seconds.to_string(), "more than 0 s".to_owned());
+        demand(is_time, &key, seconds.to_string(), "more than 0 s, and finite".to_owned());
     }
     let heard_s = 3.0 * config.clearing.call_period_s;
     let lost_s = config.clearing.lost_after_s;
@@ -254,4 +259,44 @@ fn times(clearing: &ClearingConfig) -> [(&'static str, f64); 6] {
         ("call_period_s", clearing.call_period_s),
         ("max_age_s", clearing.max_age_s),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::validate::tests::config;
+
+    /// The keys that are wrong after a change, with what is expected.
+    fn wrong(change: impl Fn(&mut AgentConfig)) -> Vec<(String, String)> {
+        let mut config = config();
+        change(&mut config);
+        mistakes(&config).into_iter().map(|wrong| (wrong.key, wrong.expected)).collect()
+    }
+
+    fn check(change: impl Fn(&mut AgentConfig), key: &str, expected: &str) {
+        let found = wrong(change);
+        let is_told = found.iter().any(|(k, e)| k == key && e.contains(expected));
+        assert!(is_told && found.len() == 1, "{key} ({expected}): {found:?}");
+    }
+
+    #[test]
+    fn every_mistake_is_told_with_what_is_expected() {
+        assert_eq!(wrong(|_| {}), []);
+        check(|c| c.camera.rows = 128, "camera.rows", "256 (a square image)");
+        check(|c| c.fleet.altitude_m = 90.0, "camera.columns", "the side of a cell");
+        check(|c| c.clearing.guard_px = 3, "clearing.guard_px", " to ");
+        check(|c| c.clearing.guard_px = u16::MAX, "clearing.guard_px", " to ");
+        check(|c| c.gap_px = 60, "clearing.guard_px", "too much for 256 columns");
+        check(|c| c.clearing.margin_px = 14, "clearing.margin_px", " to 64");
+        check(|c| c.clearing.margin_px = 65, "clearing.margin_px", " to 64");
+        let offset = "netem.hbsr.offset_error_m";
+        check(|c| c.offset_error_m = 1e300, offset, "no mask is safe");
+        check(|c| c.clearing.step_m = 0.5, "clearing.step_m", "a pixel");
+        check(|c| c.clearing.step_m = 0.0, "clearing.step_m", "more than 0");
+        let motion = "agents.multirotor.motion_error_m";
+        check(|c| c.motion_error_m = c.clearing.step_m, motion, "keep its place");
+        check(|c| c.clearing.spacing_m = -1.0, "clearing.spacing_m", "0 to 1000 m");
+        check(|c| c.clearing.max_age_s = f64::INFINITY, "clearing.max_age_s", "finite");
+        check(|c| c.clearing.lost_after_s = 1.0, "clearing.lost_after_s", "three times");
+    }
 }

@@ -104,7 +104,8 @@ impl Fleet {
             return Err(Rejection::Incarnation { got: got.incarnation, known: peer.incarnation });
         }
         self.has_lost |= beat.has_lost;
-        let has_forgotten = got.incarnation > peer.incarnation && peer.guards();
+        let may_guard = peer.guards() || self.asked.contains(&got.from);
+        let has_forgotten = got.incarnation > peer.incarnation && may_guard;
         if got.incarnation > peer.incarnation {
             *peer = Peer {
                 incarnation: got.incarnation,
@@ -146,15 +147,15 @@ impl Fleet {
     }
 
     /// Notices those who may guard a frontier and were silent for more than `steps` steps. UAV 0 guards the first one,
-    /// also if it was never heard.
-    pub fn miss(&mut self, own: AgentId, now: Step, steps: u32) {
+    /// also if agent `own` has never heard it since it began at step `since`.
+    pub fn miss(&mut self, own: AgentId, since: Step, now: Step, steps: u32) {
         let is_silent = |heard: Step| now.0.saturating_sub(heard.0) > steps;
         let silent = self
             .peers
             .iter()
             .find(|(id, peer)| (peer.guards() || self.asked.contains(id)) && is_silent(peer.heard));
         let first = AgentId(0);
-        let is_unheard = own != first && !self.peers.contains_key(&first) && is_silent(Step(0));
+        let is_unheard = own != first && !self.peers.contains_key(&first) && is_silent(since);
         if let Some(id) = silent.map(|(id, _)| *id).or(is_unheard.then_some(first)) {
             self.lose(id);
         }
@@ -205,12 +206,12 @@ mod tests {
     fn missed(said: impl Fn(&mut Fleet)) -> Option<AgentId> {
         let mut fleet = Fleet::default();
         said(&mut fleet);
-        fleet.miss(OWN, Step(PATIENCE), PATIENCE);
+        fleet.miss(OWN, Step(0), Step(PATIENCE), PATIENCE);
         assert_eq!(fleet.take_noticed(), None, "it may still be heard");
-        fleet.miss(OWN, Step(PATIENCE + 1), PATIENCE);
+        fleet.miss(OWN, Step(0), Step(PATIENCE + 1), PATIENCE);
         let noticed = fleet.take_noticed();
         assert_eq!(fleet.has_lost(), noticed.is_some());
-        fleet.miss(OWN, Step(PATIENCE + 2), PATIENCE);
+        fleet.miss(OWN, Step(0), Step(PATIENCE + 2), PATIENCE);
         assert_eq!(fleet.take_noticed(), None, "it is said once");
         noticed
     }
@@ -245,5 +246,10 @@ mod tests {
         hear(&mut fleet, 0, 0, Duty::Cleaner, 0);
         hear(&mut fleet, 1, 0, Duty::Helper, 1);
         assert_eq!((fleet.has_lost(), fleet.take_noticed()), (true, Some(AgentId(0))));
+        let mut fleet = Fleet::default();
+        hear(&mut fleet, 0, 1, Duty::Follower, 0);
+        fleet.ask(AgentId(1));
+        hear(&mut fleet, 1, 1, Duty::Helper, 1);
+        assert_eq!(fleet.take_noticed(), Some(AgentId(1)), "it may have taken one over");
     }
 }

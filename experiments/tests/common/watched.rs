@@ -33,6 +33,16 @@ pub const SEARCHED: &[&str] = &[
     "netem.outage=[{agent=2, from_s=8, until_s=10, kind=\"crash\"}]",
 ];
 
+/// A small network in which UAV 0 clears roads for 12 s; everything else happens as in [`SMALL`].
+pub const CLEARED: &[&str] = &[
+    "run.duration_s=12",
+    "run.period_s=0.5",
+    "map.size_m=[240, 240]",
+    "map.road_spacing_m=75",
+    "agents.count=3",
+    "netem.outage=[{agent=2, from_s=8, until_s=10, kind=\"crash\"}]",
+];
+
 /// A browser, or a loud word that none is installed.
 pub fn browser() -> Option<Browser> {
     let browser = Browser::start();

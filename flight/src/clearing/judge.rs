@@ -58,8 +58,10 @@ pub struct Safety {
     last: BTreeMap<AgentId, Seen>,
     /// Whether a UAV says that a frontier is lost.
     is_lost: bool,
-    /// Who crashed with a frontier, and by which step that has to be told.
+    /// Who crashed with a frontier, and when.
     fallen: Option<(AgentId, Step)>,
+    /// Whether it was checked that this is told.
+    is_told_checked: bool,
     /// How many steps there are to tell it.
     patience: u32,
     cleaners_max: usize,
@@ -79,6 +81,8 @@ struct Waiting {
 #[derive(Default)]
 struct Seen {
     incarnation: Incarnation,
+    /// The first step of its life.
+    since: Step,
     is_cleaner: bool,
     has_frontier: bool,
     is_lost: bool,
@@ -99,6 +103,7 @@ impl Safety {
             last: BTreeMap::new(),
             is_lost: false,
             fallen: None,
+            is_told_checked: false,
             patience: config.steps(config.clearing.lost_after_s + TELLING_S),
             cleaners_max: 0,
             first_m2: vec![0.0; uavs],
@@ -139,11 +144,13 @@ impl Safety {
             let seen = reports.remove(&id);
             let is_over = seen.as_ref().map_or(!is_alive, |seen| self.is_another_life(id, seen));
             if is_over && self.last.remove(&id).is_some_and(|seen| seen.has_frontier) {
-                let deadline = Step(step.0.saturating_add(self.patience));
-                self.fallen = self.fallen.or(Some((id, deadline)));
+                self.fallen = self.fallen.or(Some((id, step)));
             }
             match seen {
-                Some(seen) => drop(self.last.insert(id, seen)),
+                Some(mut seen) => {
+                    seen.since = self.last.get(&id).map_or(step, |last| last.since);
+                    self.last.insert(id, seen);
+                }
                 None if is_over => {}
                 // It said nothing of this step: what it claimed before is no claim of this image.
                 None => self.last.entry(id).or_default().claims = None,
@@ -170,10 +177,12 @@ impl Safety {
         judged.checks.push((CLEARED, self.claims.count()));
     }
 
-    /// Whether the loss of a frontier is told in time, if there is a UAV to tell it.
+    /// Whether the loss of a frontier is told in time, by UAVs that live long enough to notice it.
     fn check_told(&mut self, step: Step, judged: &mut Judged) {
-        let Some((agent, deadline)) = self.fallen else { return };
-        if step == deadline && !self.last.is_empty() {
+        let Some((agent, fell)) = self.fallen else { return };
+        let Some(since) = self.last.values().map(|seen| seen.since).min() else { return };
+        let is_due = step.0.saturating_sub(since.max(fell).0) >= self.patience;
+        if is_due && !std::mem::replace(&mut self.is_told_checked, true) {
             judged.checks.push((TOLD, 1));
             if !self.is_lost {
                 judged.faults.push(Broken::new(TOLD, agent, json!({ "crashed": agent })));
@@ -250,6 +259,7 @@ impl Judge<Report> for Safety {
         }
         let seen = Seen {
             incarnation: report.incarnation,
+            since: truth.step,
             is_cleaner: report.claims.is_some(),
             has_frontier: report.frontier_px > 0,
             is_lost: report.is_lost,

@@ -164,11 +164,20 @@ fn attempt(
     unit: &Unit<'_>,
     value: &toml::Value,
 ) -> Option<Failure> {
+    let failure = |message| Some(Failure { message, culprit: None, missing: Vec::new() });
+    let is_table = lookup(defaults, &unit.path).is_some_and(toml::Value::is_table);
+    if is_table && value.is_array() {
+        // Serde takes the elements for the fields, in their order.
+        return failure("invalid type: sequence, expected a table".to_owned());
+    }
     let mut candidate = defaults.clone();
     apply(&mut candidate, &unit.path, value.clone(), unit.replaces);
     let error = form.scenario(candidate).err()?;
-    let message = form.in_its_names(error.message());
-    Some(Failure { message, culprit: None, missing: Vec::new() })
+    if error.message().contains("unit variant") && !(value.is_str() || value.is_table()) {
+        // Serde lists the names only if there is text.
+        return attempt(form, defaults, unit, &toml::Value::String(value.to_string()));
+    }
+    failure(form.in_its_names(error.message()))
 }
 
 /// What a scenario of a mission looks like: the fields that every scenario has, and the mission's own tables.
@@ -225,6 +234,11 @@ fn apply_accepted(accepted: &mut toml::Table, unit: &Unit<'_>) {
         return;
     }
     apply(accepted, &unit.path, unit.value.clone(), unit.replaces);
+}
+
+fn lookup<'a>(table: &'a toml::Table, path: &[String]) -> Option<&'a toml::Value> {
+    let (last, way) = path.split_last()?;
+    way.iter().try_fold(table, |table, key| table.get(key)?.as_table())?.get(last)
 }
 
 fn lookup_mut<'a>(table: &'a mut toml::Table, path: &[String]) -> Option<&'a mut toml::Value> {

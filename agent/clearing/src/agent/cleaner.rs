@@ -232,7 +232,7 @@ impl ClearingAgent {
     /// The end of a step: what to do next.
     pub(super) fn decide(&mut self) {
         let missing = self.config.steps(self.config.clearing.lost_after_s);
-        self.fleet.miss(self.config.id, self.step, missing);
+        self.fleet.miss(self.config.id, self.first, self.step, missing);
         if let Some(cleaner) = self.fleet.take_noticed() {
             self.events.push_back(Event::Lost { step: self.step, cleaner });
         }
