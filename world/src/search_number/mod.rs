@@ -8,8 +8,8 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | [`tree`] | the vertex separation of a tree |
-//! | [`order`] | bounds of that of any graph |
+//! | `tree` | the vertex separation of a tree |
+//! | `order` | bounds of that of any graph |
 
 mod order;
 #[cfg(test)]

@@ -25,7 +25,7 @@ fn setting(shown: &Shown) -> Table {
         ("field of view, °", config.camera.aperture_deg, 80.0),
         ("width of the image, pixels", f64::from(config.camera.columns), 256.0),
         ("frequency, Hz", 1.0 / config.period_s, 8.0),
-        ("displacement per step, m", config.clearing.step_m, 0.125),
+        ("displacement per step, mm", 1000.0 * config.clearing.step_m, 125.0),
     ];
     let row = |(name, ours, theirs): (&str, f64, f64)| {
         (name.to_owned(), vec![Cell::new(&[ours], Some(Theirs::Value(theirs)))])
@@ -36,10 +36,10 @@ fn setting(shown: &Shown) -> Table {
         note: "The paper's network, near Lancaster (California), is not published. The ranges of its radios and the \
                size of its margin are not given."
             .to_owned(),
-        mark: "differs",
+        mark: "",
         not_published: None,
         corner: "",
-        columns: vec![Column { name: "value".to_owned(), decimals: 3 }],
+        columns: vec![Column { name: "value".to_owned(), decimals: 0 }],
         rows: rows.into_iter().map(row).collect(),
     }
 }
@@ -118,8 +118,8 @@ fn clearing(seen: &Clearings<'_>) -> Table {
         not_published: None,
         corner: "",
         columns: vec![
-            Column { name: format!("seed {first}"), decimals: 2 },
-            Column { name: "all missions".to_owned(), decimals: 2 },
+            Column { name: format!("seed {first}"), decimals: 1 },
+            Column { name: "all missions".to_owned(), decimals: 1 },
         ],
         rows: rows.into_iter().map(row).collect(),
     }
