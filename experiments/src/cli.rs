@@ -264,7 +264,7 @@ pub enum Published {
     /// Tisdale et al. 2008: table II, figures 2 to 7; twenty flights, each filtered by four representations (6 minutes
     /// of one core)
     Tisdale,
-    /// Gagliardi et al. 2014: figures 8 to 10; ten networks, 1800 s each (5 minutes of one core)
+    /// Gagliardi et al. 2014: figures 8 to 10; ten networks, 1800 s each (3 minutes of one core)
     Clearing,
 }
 

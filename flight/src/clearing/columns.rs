@@ -45,20 +45,20 @@ pub const COLUMNS: &[Column] = &[
         .plotted(Plot::less("The most cleaners at a time", "cleaners", "UAVs").note("")),
     Column::of_fleet("edge_search_at_least", "edge search number, at least", "searchers")
         .defined("the fewest searchers, seeing a point each and flying along the centre lines of R_S, that clear them: \
-                  no fewer do", ELLIS)
+                  a lower bound", ELLIS)
         .count()
         .last_as("edge_search_at_least"),
     Column::of_fleet("edge_search_at_most", "edge search number, at most", "searchers")
-        .defined("the same: so many do; equal to the one before where the number is known exactly", ELLIS)
+        .defined("the same: an upper bound, equal to the lower one where the number is known", ELLIS)
         .count()
         .last_as("edge_search_at_most"),
     Column::of_fleet("node_search_at_least", "node search number, at least", "searchers")
-        .defined("the same of searchers that guard junctions and dead ends only, and fly from any to any: no fewer do",
+        .defined("the same of searchers that guard junctions and dead ends only, and fly from any to any: a lower bound",
                  KIROUSIS)
         .count()
         .last_as("node_search_at_least"),
     Column::of_fleet("node_search_at_most", "node search number, at most", "searchers")
-        .defined("the same: so many do", KIROUSIS)
+        .defined("the same: an upper bound", KIROUSIS)
         .count()
         .last_as("node_search_at_most"),
     Column::of_fleet("splits", "splits", "")

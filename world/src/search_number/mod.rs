@@ -1,10 +1,10 @@
 //! How many searchers a network needs that see no more than a point each: a reference line for UAVs that clear roads.
 //!
 //! Searchers look for an evader of any speed on the edges of a graph. In *node searching* they are put on nodes and
-//! taken away again, and an edge is clear while both of its ends are guarded. In *edge searching* they also slide along
-//! edges, as UAVs fly along roads: one of them clears a street without junctions, and bends do not count. Both numbers
-//! are vertex separations: that of the graph plus 1 (Kirousis, Papadimitriou 1986), and that of the graph with two more
-//! nodes on each edge (Ellis, Sudborough, Turner 1994).
+//! taken away again, and an edge is cleared when both of its ends are guarded at once. In *edge searching* an edge is
+//! cleared by one that slides along it, as UAVs fly along roads: one of them clears a street without junctions, and
+//! bends do not count. Both numbers are vertex separations: that of the graph plus 1 (Kirousis, Papadimitriou 1986), and
+//! that of the graph with two more nodes on each edge (Ellis, Sudborough, Turner 1994).
 //!
 //! | module | what it does |
 //! |---|---|

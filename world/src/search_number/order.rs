@@ -78,8 +78,8 @@ impl Prefix {
 
     /// Whether the border does not grow with a node.
     fn is_free(&self, graph: &Graph, node: usize) -> bool {
-        let leaves = |n: &&usize| self.is_placed[**n] && self.later[**n] == 1;
-        self.later[node] == 0 || graph.neighbours(node).iter().any(|n| leaves(&n))
+        let leaves = |next: &usize| self.is_placed[*next] && self.later[*next] == 1;
+        self.later[node] == 0 || graph.neighbours(node).iter().any(leaves)
     }
 
     /// The nodes beside the border that are not placed, those beside nodes that have the fewest first.
