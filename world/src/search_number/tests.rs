@@ -159,8 +159,9 @@ fn clears(network: &Network, searchers: usize) -> bool {
         loop {
             let is_free = |node: &usize| !places.contains(&Some(*node));
             let spreads = |a: usize, b: usize| {
-                let common = network.edges[a].iter().filter(|node| network.edges[b].contains(node));
-                !is_clear[a] && is_clear[b] && common.into_iter().any(|node| is_free(node))
+                let mut common =
+                    network.edges[a].iter().filter(|node| network.edges[b].contains(node));
+                !is_clear[a] && is_clear[b] && common.any(is_free)
             };
             let count = network.edges.len();
             let lost = (0..count).find(|b| (0..count).any(|a| spreads(a, *b)));
