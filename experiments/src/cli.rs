@@ -264,6 +264,8 @@ pub enum Published {
     /// Tisdale et al. 2008: table II, figures 2 to 7; twenty flights, each filtered by four representations (6 minutes
     /// of one core)
     Tisdale,
+    /// Gagliardi et al. 2014: figures 8 to 10; ten networks, 1800 s each (3 minutes of one core)
+    Clearing,
 }
 
 const REPRODUCE_HELP: &str = "\
@@ -271,9 +273,10 @@ Examples:
   csat reproduce chapter5
   csat reproduce table1 --seeds 1..3 --duration 60 --jobs 2
   csat reproduce chapter4 --out reproductions/look
+  csat reproduce clearing --seeds 1..3
 
-DIR holds report.html (tables and plots, needs no network), tables.txt and tables.json; chapter5 and
-table1 are sweeps, so it also holds what `csat sweep --keep-runs` leaves: sweep.json, runs/, folders/,
+DIR holds report.html (tables and plots, needs no network), tables.txt and tables.json; chapter5, table1
+and clearing are sweeps, so it also holds what `csat sweep --keep-runs` leaves: sweep.json, runs/, folders/,
 sweep.csv, sweep_means.csv and sweep_pairs.csv. With more --seeds, --resume flies those that are new.
 
 Exit codes:

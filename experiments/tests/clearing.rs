@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::docs::root;
 use common::shipped::{Key, Shipped, check_places};
 use common::{csat, read, scratch, text};
 use serde_json::Value;
@@ -34,6 +35,12 @@ fn a_run_has_the_numbers_and_pictures_of_the_clearing() {
     for key in ["cleaners_max", "splits", "encounters", "merges"] {
         assert!(summary[key].is_u64(), "{key}: {summary}");
     }
+    let searchers = |key: &str| summary[key].as_u64().unwrap_or_else(|| panic!("{key}: {summary}"));
+    for kind in ["edge", "node"] {
+        let [least, most] =
+            ["least", "most"].map(|bound| searchers(&format!("{kind}_search_at_{bound}")));
+        assert!(1 <= least && least <= most && most <= 6, "{kind}: {least} to {most}");
+    }
     assert!(summary["cleared_s"].is_f64(), "{summary}");
     assert!(summary["cleared_pct"].as_f64() >= Some(99.5), "{summary}");
     assert_eq!((&summary["stalled"], &summary["lost"]), (&false.into(), &false.into()));
@@ -42,6 +49,25 @@ fn a_run_has_the_numbers_and_pictures_of_the_clearing() {
     let map = read(&base.path().join("out/map.svg"));
     assert!(map.contains("road that it has cleared so far"), "{map}");
     assert!(read(&base.path().join("out/metrics.svg")).contains("Cleared share of the roads"));
+}
+
+/// The map of docs/concepts/clearing.md.
+#[test]
+fn the_rear_end_of_a_road_that_joins_later_leaks_by_the_rules_of_the_paper() {
+    let base = scratch();
+    let map = format!("map.file={:?}", root().join("docs/concepts/rear-end.geojson"));
+    let town = [&map, "map.kind=geojson", "map.size_m=[400, 200]", "agents.count=1"];
+    for (rules, code) in [("paper", 3), ("acknowledged", 0)] {
+        let rules = format!("clearing.rules={rules}");
+        let sets = [&town[..], &[&rules, "run.duration_s=260"]].concat();
+        let sets = sets.into_iter().flat_map(|set| ["--set", set]);
+        let arguments: Vec<&str> = ["run", "clearing"].into_iter().chain(sets).collect();
+        let output = csat(base.path(), &arguments);
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{rules}: {told}");
+        let leak = "a road called cleared that is contaminated";
+        assert_eq!(told.contains(leak), code == 3, "{rules}: {told}");
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use common::{SMALL, csat, names, read, scratch, text};
+use common::{SMALL, csat, json, names, read, scratch, text};
 
 fn reproduce(folder: &Path, arguments: &[&str]) -> Output {
     csat(folder, &[&["reproduce"], arguments].concat())
@@ -130,6 +130,63 @@ fn chapter4_needs_no_missions() {
 }
 
 #[test]
+fn clearing_makes_its_tables_and_figures_and_resumes() {
+    let base = scratch();
+    let small = [
+        &["clearing", "--seeds", "1..2", "--duration", "300", "--out", "out"][..],
+        &["--set", "map.size_m=[240, 240]", "--set", "map.road_spacing_m=75"],
+        &["--set", "agents.count=5"],
+    ]
+    .concat();
+    let said = done(base.path(), &small);
+    for words in ["Gagliardi et al. VI", "edge search number, at least", "most cleaners at a time"]
+    {
+        assert!(said.contains(words), "{words} in {said}");
+    }
+    let banner = "Not the published setting: 2 missions instead of 10; map.size_m=[240, 240]; ";
+    assert_eq!(said.matches(banner).count(), 2, "one for each table: {said}");
+    assert!(said.contains("\n2 missions: 0 violations of "), "{said}");
+    let out = base.path().join("out");
+    let files = ["folders", "report.html", "runs", "sweep.csv", "sweep.json", "sweep_means.csv"];
+    assert_eq!(names(&out), [&files[..], &["tables.json", "tables.txt"]].concat());
+
+    let tables = json(&out.join("tables.json"));
+    let rows = tables[1]["rows"].as_array().unwrap();
+    let row =
+        |name: &str| rows.iter().find(|row| row[0] == name).unwrap_or_else(|| panic!("{name}"));
+    let [first, all] = row("UAVs that never were cleaner")[1].as_array().unwrap().as_slice() else {
+        panic!("{rows:?}")
+    };
+    assert_eq!(first["theirs"], serde_json::json!({ "value": 1.0 }));
+    let [least, greatest] = [0, 1].map(|end| all["ours"]["range"][end].as_f64().unwrap());
+    assert!(least <= greatest && first["ours"].get("range").is_none(), "{rows:?}");
+    let setting = tables[0]["rows"][0].clone();
+    let uavs = &setting[1][0];
+    assert_eq!((&uavs["ours"]["mean"], &uavs["theirs"]["value"]), (&5.0.into(), &8.0.into()));
+
+    let page = read(&out.join("report.html"));
+    stands_alone(&page);
+    for title in ["(figure 8)", "(figure 10a)", "(figure 10b)", "(figure 10a, black)"] {
+        assert!(page.contains(title), "{title}");
+    }
+    let is_first = |name: &&String| name.ends_with("-seed1");
+    let folders = names(&out.join("folders"));
+    let first = folders.iter().find(is_first).unwrap();
+    let summary = json(&out.join("folders").join(first).join("summary.json"));
+    let mut phases = 0;
+    for phase in ["split", "encounter", "merge"] {
+        let has_happened = summary[format!("{phase}s")].as_u64() > Some(0);
+        assert_eq!(page.contains(&format!("The first {phase}, ")), has_happened, "{phase}");
+        phases += usize::from(has_happened);
+    }
+    assert_eq!(page.matches("<figure>").count(), 4 + phases);
+    assert!(summary["splits"].as_u64() > Some(0), "{summary}");
+
+    done(base.path(), &[&small[..], &["--resume"]].concat());
+    assert_eq!(read(&out.join("report.html")), page);
+}
+
+#[test]
 fn bad_input_runs_nothing() {
     let base = scratch();
     for (arguments, message) in [
@@ -138,6 +195,8 @@ fn bad_input_runs_nothing() {
         (&["chapter5", "--set", "guidance.kappa=2"], "`guidance.kappa` varies"),
         (&["chapter5", "--set", "seed=2"], "the seeds are those of --seeds"),
         (&["table1", "--duration", "0"], "run.duration_s"),
+        (&["clearing", "--set", "guidance.kappa=2"], "guidance"),
+        (&["clearing", "--set", "seed=2"], "the seeds are those of --seeds"),
         (&["chapter4", "--duration", "5"], "chapter4 has no missions"),
         (&["chapter4", "--set", "camera.columns=0"], "camera.columns"),
     ] {

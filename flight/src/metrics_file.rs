@@ -77,6 +77,14 @@ pub enum TableError {
 /// # Errors
 /// When the file cannot be read or is no such table.
 pub fn read(path: &Path, columns: &'static [Column]) -> Result<Curves, TableError> {
+    Ok(Curves::from_rows(columns, &rows(path, columns)?))
+}
+
+/// The rows of a `metrics.csv`: steps, times, agents and the values of `columns`.
+///
+/// # Errors
+/// When the file cannot be read or is no such table.
+pub fn rows(path: &Path, columns: &[Column]) -> Result<Vec<Row>, TableError> {
     let mut reader = csv::Reader::from_path(path)?;
     let header = reader.headers()?.clone();
     let place = |key: &str| header.iter().position(|name| name == key);
@@ -102,7 +110,7 @@ pub fn read(path: &Path, columns: &'static [Column]) -> Result<Curves, TableErro
             ..Row::default()
         });
     }
-    Ok(Curves::from_rows(columns, &rows))
+    Ok(rows)
 }
 
 fn number_at(

@@ -9,6 +9,7 @@
 //! | [`road`] | where cars can drive |
 //! | [`road_area`] | the ground that roads cover, as a raster |
 //! | [`start_line`] | from where roads are cleared |
+//! | [`search_number`] | how many searchers a network of roads needs that see a point each |
 //! | [`contamination`] | where on the roads somebody may be whom nobody has seen |
 //! | [`target`] | the cars, on roads and off them |
 //! | [`track`] | tracks that cars follow instead of driving on their own |
@@ -51,6 +52,7 @@ mod random;
 pub mod road;
 pub mod road_area;
 pub mod scene;
+pub mod search_number;
 pub mod sensor;
 pub mod start_line;
 pub mod target;

@@ -10,7 +10,7 @@ use crate::reproduce::plan::{self, Plan};
 use crate::reproduce::setting::Deviations;
 use crate::reproduce::table::Table;
 use crate::reproduce::tisdale::{self, Tisdale};
-use crate::reproduce::{chapter5, flown, page, table1};
+use crate::reproduce::{chapter5, clearing, flown, page, table1};
 use crate::run_folder::{Destination, FolderError, PartialFile, RunFolder};
 use crate::scenario::{self, Loaded, Mistake};
 use crate::sweep::folder::{SweepFolder, default_root};
@@ -43,6 +43,7 @@ pub fn reproduce(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
         Published::Table1 => fly(arguments, &plan::TABLE1),
         Published::Chapter4 => look(arguments),
         Published::Tisdale => search(arguments),
+        Published::Clearing => fly(arguments, &plan::CLEARING),
     })
 }
 
@@ -80,10 +81,15 @@ fn conclude(
 ) -> anyhow::Result<u8> {
     let results = merge::tables(folder, manifest)?;
     let runs = flown::read(folder, &results)?;
-    let names: Vec<String> =
-        manifest.points.iter().map(|point| point.shown(&manifest.vary, 0)).collect();
+    let points = manifest.points.iter().filter(|_| !manifest.vary.is_empty());
+    let names: Vec<String> = points.map(|point| point.shown(&manifest.vary, 0)).collect();
     let (mut tables, figures) = match arguments.what {
         Published::Chapter5 => (chapter5::tables(&names, &runs), chapter5::figures(&names, &runs)),
+        Published::Clearing => {
+            let flown = runs.first().map_or(&[][..], Vec::as_slice);
+            let seen = pool(arguments)?.install(|| clearing::Clearings::read(flown))?;
+            (seen.tables(), seen.figures())
+        }
         _ => (table1::tables(&names, &runs), String::new()),
     };
     let seeds = manifest.seed_list().len();

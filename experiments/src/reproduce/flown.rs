@@ -1,10 +1,10 @@
 //! What was flown.
 
-use csat_mission::mission::Mission;
+use std::path::PathBuf;
 
 use crate::metrics_file;
+use crate::scenario::missions::kind;
 use crate::series::Series;
-use crate::set_membership::SetMembership;
 use crate::summary::Summary;
 use crate::sweep::SweepError;
 use crate::sweep::folder::SweepFolder;
@@ -13,6 +13,8 @@ use crate::sweep::results::Results;
 /// A mission that was flown to its end.
 #[derive(Debug, Clone)]
 pub struct Flown {
+    /// Its run folder.
+    pub folder: PathBuf,
     /// Its numbers.
     pub summary: Summary,
     /// Its curves.
@@ -31,18 +33,21 @@ pub fn read(folder: &SweepFolder, results: &Results) -> Result<Vec<Vec<Flown>>, 
             continue;
         };
         let path = folder.run_path(manifest, run);
-        let summary = serde_json::from_value(summary)
+        let summary: Summary = serde_json::from_value(summary)
             .map_err(|e| unreadable(path, "the file of a run", &e))?;
-        let path = folder.kept(&manifest.run_name(run)).join("metrics.csv");
-        let curves = metrics_file::read(&path, SetMembership::KIND.columns);
+        let columns = kind(&summary.mission).map_or(&[][..], |kind| kind.columns);
+        let folder = folder.kept(&manifest.run_name(run));
+        let path = folder.join("metrics.csv");
+        let curves = metrics_file::read(&path, columns);
         let series = curves.map_err(|e| unreadable(path, "the metrics of a run", &e))?.fleet;
-        points[run.point].push(Flown { summary, series });
+        points[run.point].push(Flown { folder, summary, series });
     }
     Ok(points)
 }
 
-fn unreadable(
-    path: std::path::PathBuf,
+/// A file of a run that is not what it should be.
+pub fn unreadable(
+    path: PathBuf,
     expected: &'static str,
     reason: &dyn std::fmt::Display,
 ) -> SweepError {

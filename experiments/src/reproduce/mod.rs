@@ -1,8 +1,8 @@
 //! `csat reproduce`: the published tables and figures, ours beside theirs.
 //!
 //! Thesis chapter 5 and the paper's table I are [sweeps](crate::sweep) with a fixed plan and a report
-//! of their own. Thesis chapter 4 is no mission: one camera, one frame, many depth noises. Tisdale et al. is
-//! one flight for many filters.
+//! of their own, and so is Gagliardi et al. Thesis chapter 4 is no mission: one camera, one frame, many depth noises.
+//! Tisdale et al. is one flight for many filters.
 //!
 //! | module | what it does |
 //! |---|---|
@@ -11,12 +11,15 @@
 //! | [`quantity`] | what is compared |
 //! | [`setting`] | whether it is what was published |
 //! | [`table`] | ours beside theirs |
-//! | [`chapter5`], [`table1`], [`chapter4`], [`tisdale`] | the tables and figures of each |
+//! | [`map`] | pictures of the ground |
+//! | [`chapter5`], [`table1`], [`chapter4`], [`tisdale`], [`clearing`] | the tables and figures of each |
 //! | [`page`] | `report.html` |
 
 pub mod chapter4;
 pub mod chapter5;
+pub mod clearing;
 pub mod flown;
+pub mod map;
 pub mod page;
 pub mod plan;
 pub mod quantity;

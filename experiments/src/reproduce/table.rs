@@ -48,7 +48,7 @@ pub struct Cell {
 }
 
 /// Mean and standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Ours {
     /// The mean.
     pub mean: f64,
@@ -56,6 +56,9 @@ pub struct Ours {
     pub sd: Option<f64>,
     /// Whether some values are bounds from below, and so the mean.
     pub is_at_least: bool,
+    /// The least and the greatest value, where that is told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
 }
 
 /// What was published.
@@ -80,8 +83,17 @@ impl Column {
 impl Cell {
     /// The mean of `values` beside what was published.
     pub fn new(values: &[f64], theirs: Option<Theirs>) -> Self {
-        let ours = stats(values).map(|s| Ours { mean: s.mean, sd: s.sd, is_at_least: false });
+        let ours = stats(values).map(|s| Ours { mean: s.mean, sd: s.sd, ..Ours::default() });
         Self { ours, theirs }
+    }
+
+    /// The same with the least and the greatest value.
+    pub fn with_range(values: &[f64], theirs: Option<Theirs>) -> Self {
+        let mut cell = Self::new(values, theirs);
+        let least = values.iter().copied().reduce(f64::min);
+        let range = least.zip(values.iter().copied().reduce(f64::max));
+        cell.ours.iter_mut().for_each(|ours| ours.range = range.map(|(from, to)| [from, to]));
+        cell
     }
 
     /// With a mean over some bounds from below.
@@ -112,7 +124,9 @@ impl Cell {
         };
         let ours = self.ours.map(|o| {
             let bound = if o.is_at_least { "≥ " } else { "" };
-            format!("{bound}{}", number(o.mean, o.sd))
+            let range =
+                o.range.map(|[from, to]| format!(" ({from:.decimals$} to {to:.decimals$})"));
+            format!("{bound}{}{}", number(o.mean, o.sd), range.unwrap_or_default())
         });
         let theirs = self.theirs.map(|theirs| match theirs {
             Theirs::Mean([mean, sd]) => number(mean, Some(sd)),
@@ -250,6 +264,8 @@ mod tests {
         assert!(cell(&[3.0], Theirs::Below(2.0)).differs());
         assert!(!cell(&[1.0], Theirs::Below(2.0)).differs());
         assert!(!Cell::new(&[], Some(Theirs::Value(1.0))).differs());
+        assert_eq!(Cell::with_range(&[2.0, 4.0], None).texts(0), ["3 ± 1 (2 to 4)", "-"]);
+        assert_eq!(Cell::with_range(&[], None), Cell::default());
     }
 
     #[test]

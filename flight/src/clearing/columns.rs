@@ -3,6 +3,8 @@
 use csat_mission::measures::{Column, Curve, Level, Milestone, Panel, Plot};
 
 const PAPER: &str = "Gagliardi et al. figure 10a";
+const ELLIS: &str = "Ellis, Sudborough, Turner 1994";
+const KIROUSIS: &str = "Kirousis, Papadimitriou 1986";
 
 /// The columns, in the order of `metrics.csv`.
 pub const COLUMNS: &[Column] = &[
@@ -41,6 +43,24 @@ pub const COLUMNS: &[Column] = &[
         .count()
         .last_as("cleaners_max")
         .plotted(Plot::less("The most cleaners at a time", "cleaners", "UAVs").note("")),
+    Column::of_fleet("edge_search_at_least", "edge search number, at least", "searchers")
+        .defined("the fewest searchers, seeing a point each and flying along the centre lines of R_S, that clear them: \
+                  a lower bound", ELLIS)
+        .count()
+        .last_as("edge_search_at_least"),
+    Column::of_fleet("edge_search_at_most", "edge search number, at most", "searchers")
+        .defined("the same: an upper bound, equal to the lower one where the number is known", ELLIS)
+        .count()
+        .last_as("edge_search_at_most"),
+    Column::of_fleet("node_search_at_least", "node search number, at least", "searchers")
+        .defined("the same of searchers that guard junctions and dead ends only, and fly from any to any: a lower bound",
+                 KIROUSIS)
+        .count()
+        .last_as("node_search_at_least"),
+    Column::of_fleet("node_search_at_most", "node search number, at most", "searchers")
+        .defined("the same: an upper bound", KIROUSIS)
+        .count()
+        .last_as("node_search_at_most"),
     Column::of_fleet("splits", "splits", "")
         .defined("sub-frontiers that a wing took over so far", "Gagliardi et al. III-B")
         .count()

@@ -15,6 +15,7 @@ use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::Step;
 use csat_world::contamination::{Contamination, Square};
 use csat_world::road_area::RoadArea;
+use csat_world::search_number::Network;
 use serde_json::json;
 
 use super::claims::Claims;
@@ -65,6 +66,8 @@ pub struct Safety {
     /// How many steps there are to tell it.
     patience: u32,
     cleaners_max: usize,
+    /// The search numbers of R_S: the same at every step.
+    search_numbers: Values,
     /// The area of R_S that each UAV was the first to claim, m².
     first_m2: Vec<f64>,
 }
@@ -90,8 +93,14 @@ struct Seen {
 }
 
 impl Safety {
-    /// A judge of a fleet that starts at a part of `roads` that is `connected`.
-    pub fn new(config: &AgentConfig, roads: &RoadArea, connected: RoadArea) -> Self {
+    /// A judge of a fleet that starts at a part of `roads` that is `connected` and whose centre lines are `network`,
+    /// if it has any.
+    pub fn new(
+        config: &AgentConfig,
+        roads: &RoadArea,
+        connected: RoadArea,
+        network: Option<&Network>,
+    ) -> Self {
         let uavs = usize::from(config.fleet.count);
         Self {
             camera: config.camera,
@@ -106,6 +115,7 @@ impl Safety {
             is_told_checked: false,
             patience: config.steps(config.clearing.lost_after_s + TELLING_S),
             cleaners_max: 0,
+            search_numbers: network.map(search_numbers).unwrap_or_default(),
             first_m2: vec![0.0; uavs],
         }
     }
@@ -241,6 +251,18 @@ impl Safety {
     }
 }
 
+/// How many searchers need to see a point each to clear a network.
+fn search_numbers(network: &Network) -> Values {
+    let (edge, node) = (network.edge_search(), network.node_search());
+    let numbers = [
+        ("edge_search_at_least", edge.at_least),
+        ("edge_search_at_most", edge.at_most),
+        ("node_search_at_least", node.at_least),
+        ("node_search_at_most", node.at_most),
+    ];
+    numbers.map(|(key, number)| (key, Some(number as f64))).to_vec()
+}
+
 impl Judge<Report> for Safety {
     fn judge(&mut self, agent: AgentId, report: &Report, truth: &Truth<'_>) -> Judged {
         let mut judged = Judged::default();
@@ -281,13 +303,15 @@ impl Judge<Report> for Safety {
     fn fleet(&self) -> Values {
         let contaminated_m2 = self.contamination.contaminated_m2_in(&self.connected);
         let cleaners = self.last.values().filter(|seen| seen.is_cleaner).count();
-        vec![
+        let mut values = vec![
             ("cleared_pct", Some(self.share_pct(self.first_m2.iter().sum()))),
             ("contaminated_pct", Some(self.share_pct(contaminated_m2))),
             ("is_cleared", Some(f64::from(u8::from(contaminated_m2 == 0.0)))),
             ("cleaners", Some(cleaners as f64)),
             ("cleaners_max", Some(self.cleaners_max as f64)),
-        ]
+        ];
+        values.extend(self.search_numbers.iter().copied());
+        values
     }
 
     fn agent(&self, agent: AgentId) -> Values {

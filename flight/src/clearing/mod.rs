@@ -18,6 +18,8 @@ use csat_mission::style::Style;
 use csat_proto::camera::{CameraModel, Pose};
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_world::contamination::Square;
+use csat_world::road::RoadGraph;
+use csat_world::search_number::Network;
 use csat_world::sensor::{RoadSensor, SensorModel};
 use csat_world::world::World;
 
@@ -93,7 +95,9 @@ impl Mission for Clearing {
     fn judge(&self, world: &World) -> Safety {
         let roads = world.road_area().expect("`equip` tells the world of the segmentation");
         let start_line = world.start_line().expect("a world with roads has a start line");
-        Safety::new(&self.config, roads, roads.component(start_line))
+        let connected = roads.component(start_line);
+        let network = Network::of_roads(&RoadGraph::within(world.map(), &connected));
+        Safety::new(&self.config, roads, connected, network.as_ref())
     }
 
     fn measures(&self) -> ClearingMeasures {

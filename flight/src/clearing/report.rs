@@ -1,6 +1,7 @@
 //! What an agent of road clearing tells its observers.
 
-use csat_clearing::agent::{ClearingAgent, Counters, Role};
+use csat_clearing::agent::ClearingAgent;
+pub use csat_clearing::agent::{Counters, Role};
 use csat_clearing::bitmap::Bitmap;
 use csat_mission::mission::{self, Tally};
 use csat_mission::picture::Cells;

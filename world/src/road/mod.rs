@@ -5,8 +5,10 @@ use csat_proto::model::Ground;
 mod build;
 mod noding;
 
+use crate::map::Map;
 use crate::obstacle::Walls;
 use crate::plane::{Point, between, distance_m, minus};
+use crate::road_area::RoadArea;
 
 /// Which parts of roads are usable.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,6 +90,16 @@ impl RoadGraph {
     ) -> Self {
         let segments = noding::noded(ground, polylines, rules.inset_m);
         build::graph(&segments, walls, rules)
+    }
+
+    /// The centre lines of a map's roads within a part of its road area. Walls do not count. Roads that touch at their
+    /// sides, while their centre lines do not meet, do not meet here.
+    pub fn within(map: &Map, area: &RoadArea) -> Self {
+        let rules = RoadRules { inset_m: 0.0, clearance_m: 0.0, min_network_m: 0.0 };
+        let Self { nodes, mut edges, .. } =
+            Self::build(&map.ground, &map.roads, &Walls::new(&[]), &rules);
+        edges.retain(|edge| area.is_road(edge.at(edge.length_m() / 2.0).0));
+        Self::new(nodes, edges)
     }
 
     fn new(nodes: Vec<Point>, edges: Vec<RoadEdge>) -> Self {

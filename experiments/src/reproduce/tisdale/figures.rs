@@ -9,11 +9,11 @@ use csat_proto::time::Step;
 
 use super::Tisdale;
 use super::filters::{KINDS, beliefs_at};
-use super::heat::{Map, Mark};
 use super::tables::NOMINAL;
 use crate::report::axis::XAxis;
 use crate::report::curves::{Curve, Curves, Moment};
 use crate::report::page;
+use crate::reproduce::map::{Map, Mark, Stroke};
 
 /// Places of the paper's three representations and ours in [`KINDS`].
 const FINE: usize = 0;
@@ -128,7 +128,7 @@ fn search(seen: &Tisdale) -> Vec<String> {
             };
             let until = step.0 as usize;
             marks.extend(flight.paths.iter().enumerate().map(|(index, path)| {
-                Mark::Path(path[..=until.min(path.len() - 1)].to_vec(), index)
+                Mark::Path(path[..=until.min(path.len() - 1)].to_vec(), index, Stroke::Thin)
             }));
             marks.push(Mark::Star(flight.target));
             let title = format!("{}, {} s", KINDS[kind].name, flight.time_s(*step));

@@ -9,13 +9,11 @@
 //! | [`flight`] | flies, and keeps the factors of all frames |
 //! | [`filters`] | what each representation makes of them |
 //! | [`figures`] | figures 2 to 7 |
-//! | [`heat`] | pictures of densities |
 //! | [`tables`] | ours beside theirs |
 
 pub mod figures;
 pub mod filters;
 pub mod flight;
-pub mod heat;
 pub mod tables;
 
 use rayon::prelude::*;

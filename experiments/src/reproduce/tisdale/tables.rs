@@ -46,7 +46,7 @@ pub fn tables(seen: &Tisdale) -> Vec<Table> {
 
 fn table_2() -> Table {
     let row = |(index, (name, theirs)): (usize, &(&str, f64))| {
-        let ours = Ours { mean: deviation_m(index), sd: None, is_at_least: false };
+        let ours = Ours { mean: deviation_m(index), ..Ours::default() };
         ((*name).to_owned(), vec![Cell { ours: Some(ours), theirs: Some(Theirs::Value(*theirs)) }])
     };
     Table {

@@ -1,10 +1,11 @@
-//! Pictures of densities on the ground.
+//! Pictures of the ground: roads, cells, densities and paths.
 
 use std::fmt::Write;
 
-use csat_mission::picture::Heat;
+use csat_mission::picture::{Cells, Heat};
 
 use crate::report::shapes::escaped;
+use crate::report::sheet::class;
 
 /// How many shades there are.
 const BANDS: u16 = 12;
@@ -29,8 +30,16 @@ pub struct Map {
 pub enum Mark {
     /// Values of cells, the highest darkest.
     Heat(Heat),
+    /// The centre line of a road, and its width, metres.
+    Road(Vec<[f64; 2]>, f64),
+    /// Cells in the colour of a series.
+    Cells(Cells, usize),
+    /// Cells in a colour, `#rrggbb`.
+    Painted(Cells, String),
     /// A line through places, in the colour of a series.
-    Path(Vec<[f64; 2]>, usize),
+    Path(Vec<[f64; 2]>, usize, Stroke),
+    /// What a series is, where no ring says it.
+    Key(usize, String),
     /// A closed ring, in the colour of a series, and what it is.
     Ring(Vec<[f64; 2]>, usize, String),
     /// Small dots.
@@ -39,6 +48,28 @@ pub enum Mark {
     Cross([f64; 2], usize),
     /// The true place of the target: a star.
     Star([f64; 2]),
+}
+
+/// How a path is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stroke {
+    /// A thin line.
+    Thin,
+    /// A line that stands out.
+    Bold,
+    /// A dashed line.
+    Dashed,
+}
+
+impl Stroke {
+    /// Its class in the style of pages.
+    fn class(self) -> &'static str {
+        match self {
+            Self::Thin => "seed",
+            Self::Bold => "mean",
+            Self::Dashed => "dashed",
+        }
+    }
 }
 
 impl Map {
@@ -64,8 +95,9 @@ impl Map {
             let y = high + ROOM_PX + 16.0 * index as f64;
             let _ = writeln!(
                 svg,
-                "<g class=\"s{series}\"><path class=\"mean\" d=\"M{low} {y}h18\"/></g>\
+                "<g class=\"{}\"><path class=\"mean\" d=\"M{low} {y}h18\"/></g>\
                  <text x=\"{}\" y=\"{}\">{}</text>",
+                class(series),
                 low + 25.0,
                 y + 4.0,
                 escaped(name)
@@ -103,20 +135,31 @@ impl Map {
     fn mark(&self, svg: &mut String, mark: &Mark) {
         match mark {
             Mark::Heat(heat) => self.heat(svg, heat),
-            Mark::Path(places, series) => {
+            Mark::Road(places, width_m) => {
+                let width = width_m * SIDE_PX / self.side_m;
                 let _ = writeln!(
                     svg,
-                    "<g class=\"s{series}\"><path class=\"seed\" d=\"{}\"/></g>",
+                    "<path d=\"{}\" fill=\"none\" stroke=\"#888888\" stroke-opacity=\".3\" \
+                     stroke-width=\"{width:.1}\" stroke-linejoin=\"round\"/>",
                     self.line(places)
                 );
             }
+            Mark::Cells(cells, series) => {
+                let data = self.cells(cells);
+                let class = class(*series);
+                let _ =
+                    writeln!(svg, "<g class=\"{class}\"><path class=\"run\" d=\"{data}\"/></g>");
+            }
+            Mark::Painted(cells, colour) => {
+                let data = self.cells(cells);
+                let _ = writeln!(svg, "<path d=\"{data}\" fill=\"{colour}\" stroke=\"none\"/>");
+            }
+            Mark::Path(places, series, stroke) => self.stroke(svg, places, *series, *stroke),
             Mark::Ring(places, series, _) => {
-                let _ = writeln!(
-                    svg,
-                    "<g class=\"s{series}\"><path class=\"mean\" d=\"{}Z\"/></g>",
-                    self.line(places)
-                );
+                let closed: Vec<[f64; 2]> = places.iter().chain(places.first()).copied().collect();
+                self.stroke(svg, &closed, *series, Stroke::Bold);
             }
+            Mark::Key(..) => {}
             Mark::Dots(places) => {
                 for [x, y] in places.iter().filter(|p| self.holds(p)).map(|p| self.at(*p)) {
                     let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"0.8\"/>");
@@ -126,7 +169,8 @@ impl Map {
                 let [x, y] = self.at(*place);
                 let _ = writeln!(
                     svg,
-                    "<g class=\"s{series}\"><path class=\"mean\" d=\"M{:.1} {y:.1}h10M{x:.1} {:.1}v10\"/></g>",
+                    "<g class=\"{}\"><path class=\"mean\" d=\"M{:.1} {y:.1}h10M{x:.1} {:.1}v10\"/></g>",
+                    class(*series),
                     x - 5.0,
                     y - 5.0
                 );
@@ -146,15 +190,58 @@ impl Map {
         (0..2).all(|axis| (0.0..=self.side_m).contains(&(p[axis] - self.origin_m[axis])))
     }
 
+    fn stroke(&self, svg: &mut String, places: &[[f64; 2]], series: usize, stroke: Stroke) {
+        let (class, stroke, data) = (class(series), stroke.class(), self.line(places));
+        let _ = writeln!(svg, "<g class=\"{class}\"><path class=\"{stroke}\" d=\"{data}\"/></g>");
+    }
+
     /// The parts of a line that are on the map.
     fn line(&self, places: &[[f64; 2]]) -> String {
         let mut data = String::new();
-        let mut is_on = false;
-        for place in places {
-            let was_on = std::mem::replace(&mut is_on, self.holds(place));
-            if is_on {
-                let [x, y] = self.at(*place);
-                let _ = write!(data, "{}{x:.1} {y:.1}", if was_on { 'L' } else { 'M' });
+        let mut end = None;
+        for ends in places.windows(2) {
+            let Some([from, to]) = self.clipped([ends[0], ends[1]]) else { continue };
+            let [[x0, y0], [x1, y1]] = [from, to].map(|place| self.at(place));
+            if end != Some(from) {
+                let _ = write!(data, "M{x0:.1} {y0:.1}");
+            }
+            let _ = write!(data, "L{x1:.1} {y1:.1}");
+            end = Some(to);
+        }
+        data
+    }
+
+    /// The part of a segment that is on the map.
+    fn clipped(&self, [a, b]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
+        let (mut first, mut last) = (0.0f64, 1.0f64);
+        for axis in 0..2 {
+            let (start, way) = (a[axis] - self.origin_m[axis], b[axis] - a[axis]);
+            if way == 0.0 {
+                if !(0.0..=self.side_m).contains(&start) {
+                    return None;
+                }
+                continue;
+            }
+            let (low, high) = (-start / way, (self.side_m - start) / way);
+            (first, last) = (first.max(low.min(high)), last.min(low.max(high)));
+        }
+        let at = |t: f64| match t {
+            0.0 => a,
+            1.0 => b,
+            _ => [0, 1].map(|axis| a[axis] + t * (b[axis] - a[axis])),
+        };
+        (first <= last).then(|| [at(first), at(last)])
+    }
+
+    /// The outlines of the cells that are on the map.
+    fn cells(&self, cells: &Cells) -> String {
+        let mut data = String::new();
+        for ring in cells.rings() {
+            let ([x0, y1], [x1, y0]) = (self.at(ring[0]), self.at(ring[2]));
+            let (low, high) = (ROOM_PX, ROOM_PX + SIDE_PX);
+            let [x0, x1, y0, y1] = [x0, x1, y0, y1].map(|value| value.clamp(low, high));
+            if x1 > x0 && y1 > y0 {
+                let _ = write!(data, "M{x0:.1} {y0:.1}H{x1:.1}V{y1:.1}H{x0:.1}Z");
             }
         }
         data
@@ -162,15 +249,7 @@ impl Map {
 
     fn heat(&self, svg: &mut String, heat: &Heat) {
         for (band, cells) in (1..).zip(heat.bands(BANDS)) {
-            let mut data = String::new();
-            for ring in cells.rings() {
-                let ([x0, y1], [x1, y0]) = (self.at(ring[0]), self.at(ring[2]));
-                let (low, high) = (ROOM_PX, ROOM_PX + SIDE_PX);
-                let [x0, x1, y0, y1] = [x0, x1, y0, y1].map(|value| value.clamp(low, high));
-                if x1 > x0 && y1 > y0 {
-                    let _ = write!(data, "M{x0:.1} {y0:.1}H{x1:.1}V{y1:.1}H{x0:.1}Z");
-                }
-            }
+            let data = self.cells(&cells);
             let opacity = f64::from(band) / f64::from(BANDS);
             let _ = writeln!(
                 svg,
@@ -182,7 +261,7 @@ impl Map {
 
 fn named(mark: &Mark) -> Option<(usize, &String)> {
     match mark {
-        Mark::Ring(_, series, name) => Some((*series, name)),
+        Mark::Ring(_, series, name) | Mark::Key(series, name) => Some((*series, name)),
         _ => None,
     }
 }
