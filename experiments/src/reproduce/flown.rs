@@ -1,6 +1,6 @@
 //! What was flown.
 
-use csat_mission::mission::Mission;
+use csat_mission::mission::Whole;
 
 use crate::metrics_file;
 use crate::series::Series;
@@ -34,7 +34,7 @@ pub fn read(folder: &SweepFolder, results: &Results) -> Result<Vec<Vec<Flown>>, 
         let summary = serde_json::from_value(summary)
             .map_err(|e| unreadable(path, "the file of a run", &e))?;
         let path = folder.kept(&manifest.run_name(run)).join("metrics.csv");
-        let curves = metrics_file::read(&path, SetMembership::KIND.columns);
+        let curves = metrics_file::read(&path, Whole::<SetMembership>::KIND.columns);
         let series = curves.map_err(|e| unreadable(path, "the metrics of a run", &e))?.fleet;
         points[run.point].push(Flown { summary, series });
     }
