@@ -16,7 +16,7 @@ use csat_experiments::outputs::{File, files, own_files};
 use csat_experiments::set_membership::SetMembership;
 use csat_experiments::set_membership::judge::GUARANTEE;
 use csat_mission::judge;
-use csat_mission::mission::Mission;
+use csat_mission::mission::Whole;
 use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::time::Step;
 use csat_world::truth::{Fault, MessageCounts, Promise, Violation};
@@ -128,7 +128,7 @@ fn written() -> Vec<(&'static str, BTreeSet<String>)> {
 
 #[test]
 fn what_is_written_is_described_and_what_is_described_is_written() {
-    let described = files(&SetMembership::KIND);
+    let described = files(&Whole::<SetMembership>::KIND);
     let mut complaints = Vec::new();
     for (name, keys) in written() {
         let file: &File = described.iter().find(|file| file.name == name).expect(name);
@@ -156,7 +156,10 @@ fn columns_are_in_the_order_of_their_description() {
     );
     assert_eq!(alone.status.code(), Some(0), "{}", text(&alone.stderr));
     for name in ["metrics.csv", "links.csv"] {
-        let file = files(&SetMembership::KIND).into_iter().find(|file| file.name == name).unwrap();
+        let file = files(&Whole::<SetMembership>::KIND)
+            .into_iter()
+            .find(|file| file.name == name)
+            .unwrap();
         let expected: Vec<String> = file.fields.into_iter().map(|field| field.key).collect();
         // One agent has no links: the table has its head all the same.
         for run in ["one", "two"] {
@@ -217,9 +220,9 @@ fn links_account_for_their_bytes() {
 
 /// The document's sections: the files of the set-membership mission, then what others have of their own.
 fn sections() -> Vec<(String, File)> {
-    let usual = &SetMembership::KIND;
+    let usual = &Whole::<SetMembership>::KIND;
     let of_usual = files(usual).into_iter().map(|file| (format!("`{}`", file.name), file));
-    let own = [&Bayes::KIND, &Clearing::KIND].into_iter().flat_map(|kind| {
+    let own = [&Whole::<Bayes>::KIND, &Whole::<Clearing>::KIND].into_iter().flat_map(|kind| {
         let own = own_files(kind, usual).into_iter();
         own.map(|file| (format!("`{}` of `{}`", file.name, kind.name), file))
     });

@@ -39,7 +39,7 @@ struct Shown {
 const STORM: Shown = Shown {
     scenario: "city-storm",
     sets: SMALL,
-    curves: 5,
+    curves: 8,
     legend: &["X̄ unexplored", "ground hidden and not seen since"],
     layer: "oem",
     empty: &[],
@@ -48,7 +48,7 @@ const STORM: Shown = Shown {
 const SEARCH: Shown = Shown {
     scenario: "tisdale",
     sets: SEARCHED,
-    curves: 5,
+    curves: 8,
     legend: &[
         "where the target may be: probability of a cell: up to ",
         "particles",
@@ -63,7 +63,7 @@ const SEARCH: Shown = Shown {
 const CLEARING: Shown = Shown {
     scenario: "clearing",
     sets: CLEARED,
-    curves: 5,
+    curves: 8,
     legend: &[
         "road that it has cleared so far",
         "road that others have cleared",

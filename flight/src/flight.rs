@@ -6,14 +6,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use csat_mission::judge::{Broken, Fault, Judge, Violation};
-use csat_mission::measures::{Measures, in_order};
+use csat_mission::measures::{Measures, Values, in_order};
 use csat_mission::picture::Layer;
 use csat_mission::row::{Role, Row};
 use csat_mission::style::Style;
 use csat_netem::config::TraceLevel;
 use csat_netem::counters::Counters;
+use csat_netem::link::Links;
+use csat_proto::camera::Pose;
 use csat_proto::ids::AgentId;
-use csat_proto::time::Step;
+use csat_proto::time::{SimTime, Step};
 use csat_world::world::World;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -26,9 +28,10 @@ use crate::summary::Messages;
 use crate::view::Building;
 use crate::view::UavTrack;
 use crate::view::View;
-use csat_mission::engine::{Engine, StepTrace};
+use csat_mission::contact::{self, Contact};
+use csat_mission::engine::{self, Engine, StepTrace};
 use csat_mission::fleet::{Fleet, Flown};
-use csat_mission::mission::{Detail, Mission, Report, Tally};
+use csat_mission::mission::{Detail, Mission, Report, Tally, Whole};
 
 /// What the mission loop needs to know besides the scenario.
 #[derive(Debug, Clone, Default)]
@@ -171,6 +174,7 @@ struct Flight<M: Mission, F> {
     steps: u32,
     period_s: f64,
     measures: M::Measures,
+    contact: Contact,
     view: View,
     /// What is written down of the links.
     trace: TraceLevel,
@@ -205,7 +209,9 @@ impl<'a> ViolationLine<'a> {
 
 impl<M: Mission, F: Fleet<M>> Flight<M, F> {
     fn new(mission: M, engine: Engine<M, F>, scenario: &Scenario, view: View) -> Self {
+        let obstruction = engine::obstruction(&scenario.netem, engine.world());
         Self {
+            contact: Contact::new(Links::new(&scenario.netem, scenario.seed, obstruction)),
             engine,
             steps: scenario.steps(),
             period_s: scenario.run.period_s,
@@ -288,6 +294,7 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
         let mut fleet = self.measures.fleet(&reports, &targets);
         fleet.extend(judge.fleet());
         let poses = self.engine.world().poses();
+        fleet.extend(in_contact(&mut self.contact, trace, &poses[..uavs], self.period_s));
         let broken = |id: AgentId| {
             let faults = trace.violations.iter().map(|violation| &violation.fault);
             faults
@@ -311,7 +318,7 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
                 yaw_rad: pose.yaw_rad,
                 bytes_sent: flown.bytes_sent,
                 violations: broken(flown.agent) as u32,
-                values: in_order(M::KIND.columns, values),
+                values: in_order(Whole::<M>::KIND.columns, values),
                 times: flown.times,
             })
         };
@@ -379,6 +386,24 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
             view: self.view.rounded(),
         }
     }
+}
+
+/// How well the UAVs, which are at `poses`, are in touch.
+fn in_contact<M: Mission>(
+    contact: &mut Contact,
+    trace: &StepTrace<M>,
+    poses: &[Pose],
+    period_s: f64,
+) -> Values {
+    let at = |step: Step| SimTime::from_seconds(f64::from(step.0) * period_s);
+    contact.measure(&contact::Moment {
+        now: at(trace.step),
+        next: at(trace.step.after(1)),
+        poses,
+        alive: &trace.alive,
+        lives: &trace.lives,
+        passages: &trace.passages,
+    })
 }
 
 fn messages(counters: &Counters, tally: Tally) -> Messages {

@@ -7,7 +7,7 @@ use crate::scenario::{self, Request};
 use crate::set_membership::SetMembership;
 use crate::testing::scratch;
 use csat_mission::measures::in_order;
-use csat_mission::mission::Mission;
+use csat_mission::mission::Whole;
 use csat_mission::timing::StageTimes;
 
 fn start(folder: PathBuf) -> Recorder {
@@ -27,7 +27,7 @@ fn fly(recorder: &mut Recorder) {
                 step,
                 time_s: f64::from(step) * 0.5,
                 agent,
-                values: in_order(SetMembership::KIND.columns, values),
+                values: in_order(Whole::<SetMembership>::KIND.columns, values),
                 times: StageTimes { render: Some(2.0 + f64::from(agent)), ..StageTimes::default() },
                 ..Row::default()
             }
@@ -123,7 +123,7 @@ fn a_full_disk_is_an_error_that_names_the_file() {
     fs::rename(base.join("full"), recorder.partial_folder().join("metrics.csv.tmp")).unwrap();
     recorder.metrics = csv::Writer::from_writer(PartialFile::create(path).unwrap());
     let mut error = None;
-    let values = vec![None; SetMembership::KIND.columns.len()];
+    let values = vec![None; Whole::<SetMembership>::KIND.columns.len()];
     let row = Row { values, ..Row::default() };
     for _ in 0..10_000 {
         error = recorder.step(std::slice::from_ref(&row), 0).err();

@@ -91,6 +91,7 @@ pub fn in_words(column: &Column, value: Option<f64>, targets: u16) -> String {
     match (value, column.unit) {
         (None, _) => "-".to_owned(),
         (Some(value), _) if column.is_flag => (if value >= 0.5 { "yes" } else { "no" }).to_owned(),
+        (Some(value), "") if column.is_count => short(value),
         (Some(value), "") => format!("{value:.3}"),
         (Some(value), "targets") => format!("{}/{targets}", short(value)),
         (Some(value), unit) if column.is_count => format!("{} {unit}", short(value)),

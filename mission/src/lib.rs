@@ -8,6 +8,7 @@
 //! | [`local`] | the fleet of one process, in virtual time |
 //! | [`node`] | one agent and the links to it |
 //! | [`measures`], [`row`] | what is measured: columns, and one agent at one step |
+//! | [`contact`] | what is measured of every mission: how well its UAVs are in touch |
 //! | [`judge`] | what a mission promises, and its checks |
 //! | [`picture`], [`shape`] | what there is to draw of an agent's knowledge |
 //! | [`style`] | how it is drawn |
@@ -15,6 +16,7 @@
 //! | [`timing`], [`stages`] | the only clock |
 //! | [`words`] | words for people |
 
+pub mod contact;
 pub mod documents;
 pub mod engine;
 pub mod fleet;

@@ -237,6 +237,38 @@ impl Curve {
     }
 }
 
+/// Two lists in one, made when the program is compiled.
+#[derive(Debug)]
+pub struct Joined<T> {
+    /// The lists, and copies of what comes first in the second one.
+    padded: [T; MOST_JOINED],
+    len: usize,
+}
+
+/// How many elements two lists may have together.
+const MOST_JOINED: usize = 64;
+
+impl<T: Copy> Joined<T> {
+    /// `first`, then `second`, which has one element at least. More than 64 elements do not compile.
+    #[must_use]
+    pub const fn new(first: &[T], second: &[T]) -> Self {
+        let mut padded = [second[0]; MOST_JOINED];
+        let len = first.len() + second.len();
+        let mut index = 0;
+        while index < len {
+            let is_first = index < first.len();
+            padded[index] = if is_first { first[index] } else { second[index - first.len()] };
+            index += 1;
+        }
+        Self { padded, len }
+    }
+
+    /// All of both.
+    pub const fn all(&self) -> &[T] {
+        self.padded.split_at(self.len).0
+    }
+}
+
 /// Values by the keys of columns; what is not defined is `None` or not there.
 pub type Values = Vec<(&'static str, Option<f64>)>;
 
@@ -276,4 +308,16 @@ pub fn in_order(
         }
     }
     ordered
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_lists_are_one() {
+        const BOTH: &Joined<u8> = &Joined::new(&[1, 2], &[3]);
+        assert_eq!(BOTH.all(), [1, 2, 3]);
+        assert_eq!(Joined::new(&[], &[3, 4]).all(), [3, 4]);
+    }
 }

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
+use std::marker::PhantomData;
 
 use csat_proto::agent::Agent;
 use csat_proto::camera::{CameraModel, Pose};
@@ -14,8 +15,9 @@ use csat_world::world::World;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use crate::contact;
 use crate::judge::{Judge, Promise};
-use crate::measures::{Column, Measures, Milestone, Panel};
+use crate::measures::{Column, Joined, Measures, Milestone, Panel};
 use crate::picture::Layer;
 use crate::style::Style;
 
@@ -40,7 +42,7 @@ pub trait Mission: Clone + Send + Sync + 'static {
     /// What measures it.
     type Measures: Measures<Self::Report>;
 
-    /// What tools know of the mission without flying it.
+    /// What tools know of the mission without flying it. [`Whole`] adds what every mission has.
     const KIND: Kind;
 
     /// The agent of a UAV or a ground station at the start of one of its lives.
@@ -142,6 +144,18 @@ pub struct Kind {
     pub panels: &'static [Panel],
     /// What is promised.
     pub promises: &'static [Promise],
+}
+
+/// The kind of a mission with what is measured of every mission ([`contact`]): what tools read.
+pub struct Whole<M>(PhantomData<fn() -> M>);
+
+impl<M: Mission> Whole<M> {
+    const COLUMNS: &'static Joined<Column> = &Joined::new(M::KIND.columns, contact::COLUMNS);
+    const PANELS: &'static Joined<Panel> = &Joined::new(M::KIND.panels, contact::PANELS);
+
+    /// The mission's own columns and panels, then those of every mission.
+    pub const KIND: Kind =
+        Kind { columns: Self::COLUMNS.all(), panels: Self::PANELS.all(), ..M::KIND };
 }
 
 impl Kind {

@@ -21,8 +21,11 @@ impl Hills {
 
 impl Rule for Hills {
     fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason> {
-        let lower_m = case.sent.src_p_world[2].min(case.sent.dst_p_world[2]);
-        if lower_m >= self.altitude_m { Ok(()) } else { Err(Reason::Propagation) }
+        if self.cuts(case.sent, 0) { Err(Reason::Propagation) } else { Ok(()) }
+    }
+
+    fn cuts(&self, probe: &Sent, _seed: u64) -> bool {
+        probe.src_p_world[2].min(probe.dst_p_world[2]) < self.altitude_m
     }
 }
 

@@ -45,12 +45,23 @@ impl Jammer {
     }
 }
 
+impl Jamming {
+    /// The probability that a message is heard.
+    fn heard(&self, sent: &Sent) -> f64 {
+        // Jammers that overlap jam independently.
+        let reaching = self.0.iter().filter(|jammer| jammer.reaches(sent));
+        reaching.map(|jammer| 1.0 - jammer.loss).product()
+    }
+}
+
 impl Rule for Jamming {
     fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason> {
-        // Jammers that overlap jam independently.
-        let reaching = self.0.iter().filter(|jammer| jammer.reaches(case.sent));
-        let heard: f64 = reaching.map(|jammer| 1.0 - jammer.loss).product();
+        let heard = self.heard(case.sent);
         if case.block.uniform(Purpose::Jamming) < heard { Ok(()) } else { Err(Reason::Jamming) }
+    }
+
+    fn cuts(&self, probe: &Sent, _: u64) -> bool {
+        self.heard(probe) < 0.5
     }
 }
 

@@ -74,6 +74,18 @@ impl Bounds {
     }
 }
 
+/// One end of a link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct End {
+    /// Who.
+    pub agent: AgentId,
+    /// Where, `world`, metres.
+    pub p_world: [f64; 3],
+}
+
+/// What a working link carries, bytes: a little more than a fact of the set-membership mission.
+const PROBE_BYTES: usize = 1500;
+
 /// Sender, receiver and channel.
 pub type LinkId = (AgentId, AgentId, ChannelId);
 
@@ -225,6 +237,28 @@ impl Links {
     /// same place in its sender's queue as a message that is sent.
     pub fn fate(&mut self, sent: &Sent) -> Fate {
         self.decide(sent).0
+    }
+
+    /// Whether the link from `src` to `dst` works at `time`, over one channel at least: no outage, partition,
+    /// range, propagation or jamming cuts it there and then. Of the rules that lose messages with a probability, the
+    /// last two, it takes those for cuts that lose more than half of all messages of 1500 bytes; random loss cuts no
+    /// link. Nothing is sent, counted or drawn.
+    pub fn works(&self, src: End, dst: End, time: SimTime) -> bool {
+        let works_over = |(channel, of_channel): (u8, &ChannelRules)| {
+            let probe = Sent {
+                src: src.agent,
+                dst: dst.agent,
+                incarnation: Incarnation(0),
+                channel: ChannelId(channel),
+                sequence: 0,
+                time,
+                bytes: PROBE_BYTES,
+                src_p_world: src.p_world,
+                dst_p_world: dst.p_world,
+            };
+            !of_channel.rules.iter().any(|rule| rule.cuts(&probe, self.seed))
+        };
+        !self.outages.is_out(dst.agent, time) && (0..).zip(&self.channels).any(works_over)
     }
 
     /// When the next message arrives.

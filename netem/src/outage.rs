@@ -4,7 +4,7 @@ use csat_proto::ids::AgentId;
 use csat_proto::time::SimTime;
 
 use crate::config::{NetemConfig, OutageKind};
-use crate::fate::Reason;
+use crate::fate::{Reason, Sent};
 use crate::rule::{Case, Rule};
 
 /// A span of time: its first instant belongs to it, its end does not.
@@ -79,13 +79,16 @@ impl Rule for SourceOutage {
         let is_silent = self.0.silence(case.sent.src, case.sent.time, case.departs());
         if is_silent { Err(Reason::Outage) } else { Ok(()) }
     }
+
+    fn cuts(&self, probe: &Sent, _: u64) -> bool {
+        self.0.is_out(probe.src, probe.time)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::config::{OutageConfig, OutageKind};
-    use crate::fate::Sent;
     use crate::fate::tests::sent;
     use crate::rule::tests::judge_alone;
 

@@ -4,7 +4,7 @@ use csat_proto::ids::AgentId;
 use csat_proto::time::SimTime;
 
 use crate::config::NetemConfig;
-use crate::fate::Reason;
+use crate::fate::{Reason, Sent};
 use crate::outage::TimeSpan;
 use crate::rule::{Case, Rule};
 
@@ -33,6 +33,10 @@ impl Partitions {
         });
         (!config.partition.is_empty()).then(|| Self(partitions.collect()))
     }
+
+    fn separates(&self, sent: &Sent) -> bool {
+        self.0.iter().any(|partition| partition.separates(sent.src, sent.dst, sent.time))
+    }
 }
 
 impl Partition {
@@ -50,9 +54,11 @@ impl Partition {
 
 impl Rule for Partitions {
     fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason> {
-        let (src, dst, time) = (case.sent.src, case.sent.dst, case.sent.time);
-        let separated = self.0.iter().any(|partition| partition.separates(src, dst, time));
-        if separated { Err(Reason::Partition) } else { Ok(()) }
+        if self.separates(case.sent) { Err(Reason::Partition) } else { Ok(()) }
+    }
+
+    fn cuts(&self, probe: &Sent, _: u64) -> bool {
+        self.separates(probe)
     }
 }
 
@@ -60,7 +66,6 @@ impl Rule for Partitions {
 mod tests {
     use super::*;
     use crate::config::PartitionConfig;
-    use crate::fate::Sent;
     use crate::fate::tests::sent;
     use crate::rule::tests::judge_alone;
 

@@ -10,6 +10,8 @@
 
 use std::sync::Arc;
 
+use csat_proto::ids::AgentId;
+
 use crate::config::{ChannelConfig, PropagationConfig};
 use crate::draw::{Purpose, of_place};
 use crate::fate::{Reason, Sent};
@@ -64,19 +66,24 @@ impl Propagation {
         p_world.map(|p| libm::floor(p / self.config.shadowing_cell_m) as i32)
     }
 
+    /// The ends of a message and their cells, the same in both directions.
+    fn places(&self, sent: &Sent) -> ([AgentId; 2], [[i32; 3]; 2]) {
+        let Sent { src, dst, src_p_world, dst_p_world, .. } = *sent;
+        let ends = [(src, self.cell(src_p_world)), (dst, self.cell(dst_p_world))];
+        let [(low, low_cell), (high, high_cell)] =
+            if src <= dst { ends } else { [ends[1], ends[0]] };
+        ([low, high], [low_cell, high_cell])
+    }
+
     fn shadowing(&self, case: &mut Case<'_>) -> f64 {
         if self.config.shadowing_sigma_db == 0.0 {
             return 0.0;
         }
-        let Sent { src, dst, channel, src_p_world, dst_p_world, .. } = *case.sent;
-        let ends = [(src, self.cell(src_p_world)), (dst, self.cell(dst_p_world))];
-        let [(low, low_cell), (high, high_cell)] =
-            if src <= dst { ends } else { [ends[1], ends[0]] };
-        let cells = [low_cell, high_cell];
+        let (pair, cells) = self.places(case.sent);
         match case.link.shadowing {
             Some(known) if known.cells == cells => known.normal,
             _ => {
-                let normal = of_place(case.link.seed, [low, high], channel, cells);
+                let normal = of_place(case.link.seed, pair, case.sent.channel, cells);
                 case.link.shadowing = Some(Shadowing { cells, normal });
                 normal
             }
@@ -90,6 +97,17 @@ impl Rule for Propagation {
         let error_rate = packet_error_rate(self.snr_db(case.sent, normal), case.sent.bytes);
         let lost = case.block.uniform(Purpose::Propagation) < error_rate;
         if lost { Err(Reason::Propagation) } else { Ok(()) }
+    }
+
+    fn cuts(&self, probe: &Sent, seed: u64) -> bool {
+        let normal = match self.config.shadowing_sigma_db {
+            0.0 => 0.0,
+            _ => {
+                let (pair, cells) = self.places(probe);
+                of_place(seed, pair, probe.channel, cells)
+            }
+        };
+        packet_error_rate(self.snr_db(probe, normal), probe.bytes) > 0.5
     }
 }
 
@@ -154,6 +172,29 @@ mod tests {
         assert_eq!(packet_error_rate(-400.0, 1000), 1.0);
         assert_eq!(packet_error_rate(400.0, 1000), 0.0);
         assert_eq!(packet_error_rate(-400.0, 0), 0.0);
+    }
+
+    /// A probe meets the shadowing and the walls that messages meet.
+    #[test]
+    fn a_link_is_cut_where_most_messages_are_lost() {
+        let shadowed = PropagationConfig { shadowing_sigma_db: 6.0, ..config() };
+        let rules = [rule(shadowed, false), rule(config(), false), rule(config(), true)];
+        for (index, rule) in rules.iter().enumerate() {
+            let probe = |x: f64| Sent { src_p_world: [x, 40.0, 50.0], ..sent(0) };
+            let places = (0..9).map(|i| f64::from(i) * 11.0);
+            let is_cut: Vec<bool> = places.clone().map(|x| rule.cuts(&probe(x), 3)).collect();
+            for (x, is_cut) in places.zip(&is_cut) {
+                let message = |sequence| Sent { sequence, ..probe(x) };
+                let lost = (0..200).filter(|&n| judge_alone(rule, &message(n)).is_err()).count();
+                // Between, chance decides which side of a half is counted.
+                let is_clear = !(70..=130).contains(&lost);
+                assert!(
+                    !is_clear || *is_cut == (lost > 100),
+                    "rule {index} at {x} m: {lost} of 200"
+                );
+            }
+            assert!(is_cut.contains(&false), "rule {index}");
+        }
     }
 
     fn shadowing_of(rule: &Propagation, sent: &Sent, link: &mut LinkState) -> f64 {

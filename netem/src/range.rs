@@ -1,7 +1,7 @@
 //! Rule 3: a maximum distance between the ends.
 
 use crate::config::ChannelConfig;
-use crate::fate::Reason;
+use crate::fate::{Reason, Sent};
 use crate::rule::{Case, Rule};
 
 /// Loses messages from senders beyond the range.
@@ -18,7 +18,11 @@ impl Range {
 
 impl Rule for Range {
     fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason> {
-        if case.sent.distance_m() <= self.range_m { Ok(()) } else { Err(Reason::Range) }
+        if self.cuts(case.sent, 0) { Err(Reason::Range) } else { Ok(()) }
+    }
+
+    fn cuts(&self, probe: &Sent, _: u64) -> bool {
+        probe.distance_m() > self.range_m
     }
 }
 

@@ -27,6 +27,13 @@ pub trait Rule: Send + Sync {
     /// # Errors
     /// The reason of the loss.
     fn judge(&self, case: &mut Case<'_>) -> Result<(), Reason>;
+
+    /// Whether the rule cuts the link of `probe`, a message that nobody sends, in a mission of `seed`: for rules
+    /// about times and places. A rule that makes a loss likely there cuts what it loses more often than not.
+    /// It draws none of the probe's random numbers. Rules of chance cut nothing.
+    fn cuts(&self, _probe: &Sent, _seed: u64) -> bool {
+        false
+    }
 }
 
 /// A message that the rules judge, and the effects of the rules so far.

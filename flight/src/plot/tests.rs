@@ -13,7 +13,7 @@ use crate::set_membership::layers::LAYERS;
 use crate::view::Building;
 use crate::view::UavTrack;
 use csat_mission::measures::{in_order, index_of};
-use csat_mission::mission::{Kind, Mission};
+use csat_mission::mission::{Kind, Whole};
 use csat_mission::picture::{Area, Cells, Content, Heat, Layer, Mark, Properties, Ring, Shapes};
 use csat_mission::row::Row;
 use csat_mission::style::{Colour, Fill, Form, Style};
@@ -163,7 +163,7 @@ fn sample_view() -> View {
     }
 }
 
-const KIND: Kind = SetMembership::KIND;
+const KIND: Kind = Whole::<SetMembership>::KIND;
 
 fn sample_series() -> Series {
     let wave = |t: f64, period: f64| (t / period).sin();

@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 use std::sync::OnceLock;
 
-use csat_mission::mission::{Kind, Mission};
+use csat_mission::mission::{Kind, Mission, Whole};
 use csat_world::world::WorldConfig;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -78,7 +78,7 @@ impl<M: Offered> Default for Entry<M> {
 
 impl<M: Offered> Listed for Entry<M> {
     fn kind(&self) -> &'static Kind {
-        &M::KIND
+        &Whole::<M>::KIND
     }
 
     fn tables(&self) -> toml::Table {

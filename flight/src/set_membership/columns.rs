@@ -70,6 +70,18 @@ pub const COLUMNS: &[Column] = &[
         .defined("card(∪ L_i)", "thesis figure 5.9")
         .count()
         .last_as("identified"),
+    Column::of_fleet("fleet_unexplored_pct", "unexplored by the fleet", "%")
+        .defined(
+            "φ(∩ X̄_i), ground where targets that no UAV has identified may be: what a UAV would have left unexplored \
+             that knew all that the UAVs know; measured once a second, and never above the least of their \
+             `unexplored_pct`",
+            "",
+        )
+        .in_summary()
+        .plotted(
+            Plot::less("Ground that the UAVs together leave unexplored", "unexplored by the fleet, %", PCT)
+                .up_to(100.0),
+        ),
     Column::of_fleet("targets_in_fov", "targets in a footprint", "targets")
         .defined(
             "whose true location lies in the footprint of at least one UAV",
@@ -164,8 +176,11 @@ pub const PANELS: &[Panel] = &[
         unit: "%",
         axis: [10.0, 100.0],
         curves: &[
-            Curve::new("unexplored_pct", "unexplored", BLUE).beside(|| thesis().unexplored_pct),
+            Curve::new("unexplored_pct", "unexplored", BLUE)
+                .beside(|| thesis().unexplored_pct)
+                .wide(),
             Curve::new("hidden_pct", "its hidden part", ORANGE).beside(|| thesis().hidden_pct),
+            Curve::new("fleet_unexplored_pct", "by the fleet together", GREY),
         ],
         of_stations: Some("unexplored_pct"),
     },

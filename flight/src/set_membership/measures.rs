@@ -9,6 +9,7 @@ use csat_proto::model::Ground;
 use csat_proto::raster::{Grid, Raster};
 use csat_proto::region::{Region, is_inside};
 
+use super::merged::Merged;
 use super::report::{Report, percent_of};
 
 /// Side of the cells that coverage is counted in, metres.
@@ -20,12 +21,14 @@ pub struct SetMeasures {
     ground: Ground,
     camera: CameraModel,
     coverage: Coverage,
+    merged: Merged,
 }
 
 impl SetMeasures {
-    /// Before the first step.
-    pub fn new(ground: Ground, camera: CameraModel) -> Self {
-        Self { ground, camera, coverage: Coverage::new(ground, COVERAGE_CELL_M) }
+    /// Before the first step of a mission of steps of `period_s`, seconds.
+    pub fn new(ground: Ground, camera: CameraModel, period_s: f64) -> Self {
+        let coverage = Coverage::new(ground, COVERAGE_CELL_M);
+        Self { ground, camera, coverage, merged: Merged::new(period_s) }
     }
 }
 
@@ -44,7 +47,9 @@ impl Measures<Report> for SetMeasures {
             footprints.push(footprint);
         }
         let coverage = self.coverage.finish_step();
+        let merged_m2 = self.merged.unexplored_m2(uavs);
         vec![
+            ("fleet_unexplored_pct", merged_m2.map(|area_m2| percent_of(&self.ground, area_m2))),
             ("identified_union", Some(identified.len() as f64)),
             ("targets_detected", Some(detected.len() as f64)),
             ("targets_in_fov", Some(f64::from(targets_in_fov(&footprints, targets)))),

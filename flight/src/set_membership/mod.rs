@@ -4,6 +4,7 @@ mod columns;
 pub mod judge;
 pub mod layers;
 pub mod measures;
+mod merged;
 pub mod report;
 
 use std::sync::Arc;
@@ -77,7 +78,7 @@ impl Mission for SetMembership {
     }
 
     fn measures(&self) -> SetMeasures {
-        SetMeasures::new(self.config.ground, self.config.camera)
+        SetMeasures::new(self.config.ground, self.config.camera, self.config.period_s)
     }
 
     fn footprint(&self, report: &Report) -> Vec<[f64; 2]> {

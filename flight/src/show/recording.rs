@@ -18,7 +18,7 @@ use crate::scenario::Loaded;
 use csat_mission::documents::{AgentStep, Document, agent_documents};
 use csat_mission::engine::LifeEvent;
 use csat_mission::fleet::Flown;
-use csat_mission::mission::{Detail, Mission};
+use csat_mission::mission::{Detail, Mission, Whole};
 
 /// The name of the metadata record that says what was recorded.
 pub const METADATA: &str = "csat";
@@ -53,7 +53,7 @@ impl<M: Mission> Recording<M> {
     ) -> Result<Self, RecordError> {
         let Loaded { name, scenario, world, .. } = loaded;
         let every = (period_s / scenario.run.period_s).round().clamp(1.0, f64::from(u32::MAX));
-        let mut tape = Tape::create(&folder.join(FILE), M::KIND)?;
+        let mut tape = Tape::create(&folder.join(FILE), Whole::<M>::KIND)?;
         let facts = [
             ("name", name.clone()),
             ("seed", scenario.seed.to_string()),
@@ -64,7 +64,7 @@ impl<M: Mission> Recording<M> {
         tape.describe(METADATA, BTreeMap::from(facts))?;
         tape.attach("scenario.resolved.toml", "application/toml", &loaded.kept().to_toml())?;
         tape.document(truth::TOWN, 0, &truth::town(name, scenario, world))?;
-        tape.document(truth::COLUMNS, 0, &truth::columns(&M::KIND))?;
+        tape.document(truth::COLUMNS, 0, &truth::columns(&Whole::<M>::KIND))?;
         tape.document(truth::LAYERS, 0, &truth::layers(M::LAYERS))?;
         tape.message("/map/town", 0, &map::town(world))?;
         tape.message("/scene/town", 0, &scene::town(world))?;

@@ -102,11 +102,11 @@ fn object(members: &str) -> Value {
 mod tests {
     use super::*;
     use crate::set_membership::SetMembership;
-    use csat_mission::mission::Mission;
+    use csat_mission::mission::Whole;
 
     #[test]
     fn schemas_name_what_can_be_plotted() {
-        let kind = SetMembership::KIND;
+        let kind = Whole::<SetMembership>::KIND;
         let (name, text) = of_topic(&kind, "view/3/stats", Encoding::Json);
         assert_eq!(name, "csat.ViewStats");
         let schema: Value = serde_json::from_str(&text).unwrap();

@@ -14,7 +14,7 @@ use crate::view::Building;
 use csat_mission::documents::{Document, micro};
 use csat_mission::engine::{LifeEvent, StepTrace};
 use csat_mission::measures::{Column, Curve, Of};
-use csat_mission::mission::{Kind, Mission};
+use csat_mission::mission::{Kind, Mission, Whole};
 use csat_mission::picture::Ring;
 use csat_mission::picture::to_millimetre;
 use csat_mission::shape;
@@ -119,7 +119,7 @@ struct Metrics {
 
 /// `truth/metrics`: one point of the curves.
 pub fn metrics<M: Mission>(moment: &Moment<'_, M>) -> Document {
-    let columns = M::KIND.columns;
+    let columns = Whole::<M>::KIND.columns;
     let point = Point::of(columns, moment.rows);
     let values = columns.iter().filter_map(|column| {
         let value = point.as_ref()?.get(columns, column.key)?;

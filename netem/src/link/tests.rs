@@ -301,3 +301,78 @@ proptest! {
         }
     }
 }
+
+fn end(agent: u16, x_m: f64) -> End {
+    End { agent: AgentId(agent), p_world: [x_m, 0.0, 50.0] }
+}
+
+/// Whether the links from the first end to the second one and back work at a time.
+fn both_ways(config: &NetemConfig, ends: [End; 2], time_s: f64) -> [bool; 2] {
+    let links = Links::new(config, 1, None);
+    let works = |src, dst| links.works(src, dst, SimTime::from_seconds(time_s));
+    [works(ends[0], ends[1]), works(ends[1], ends[0])]
+}
+
+#[test]
+fn range_partition_outage_and_jammers_cut_a_link() {
+    let ends = |distance_m| [end(0, 0.0), end(1, distance_m)];
+    let range = |range_m| NetemConfig {
+        radio: ChannelConfig { range_m, ..Default::default() },
+        ..Default::default()
+    };
+    assert_eq!(both_ways(&NetemConfig::default(), ends(1e6), 1.0), [true, true]);
+    assert_eq!(both_ways(&range(100.0), ends(100.0), 1.0), [true, true]);
+    assert_eq!(both_ways(&range(100.0), ends(100.1), 1.0), [false, false]);
+    let apart = PartitionConfig {
+        from_s: 1.0,
+        until_s: 2.0,
+        groups: vec![vec![0], vec![1]],
+        one_way: true,
+    };
+    let one_way = NetemConfig { partition: vec![apart], ..Default::default() };
+    assert_eq!(both_ways(&one_way, ends(1.0), 1.0), [false, true]);
+    assert_eq!(both_ways(&one_way, ends(1.0), 2.0), [true, true]);
+    let out = NetemConfig { outage: vec![outage(1, 1.0, 2.0)], ..Default::default() };
+    assert_eq!(both_ways(&out, ends(1.0), 1.5), [false, false], "it neither sends nor hears");
+    assert_eq!(both_ways(&out, ends(1.0), 2.0), [true, true]);
+    let jammer = |loss| NetemConfig {
+        jammer: vec![crate::config::JammerConfig {
+            p_m: [0.0, 0.0],
+            radius_m: 10.0,
+            from_s: 0.0,
+            until_s: f64::INFINITY,
+            loss,
+            channel: None,
+        }],
+        ..Default::default()
+    };
+    assert_eq!(both_ways(&jammer(0.9), ends(50.0), 1.0), [true, false], "the receiver is jammed");
+    assert_eq!(both_ways(&jammer(0.4), ends(50.0), 1.0), [true, true]);
+}
+
+#[test]
+fn a_link_works_over_any_of_its_radios_and_whatever_chance_does() {
+    let radio = |range_m| ChannelConfig {
+        range_m,
+        loss: LossConfig::Iid { p: 1.0 },
+        corruption: 1.0,
+        ..Default::default()
+    };
+    let far = [("far".to_owned(), radio(1000.0))].into();
+    let config = NetemConfig { radio: radio(10.0), channels: far, ..Default::default() };
+    assert_eq!(both_ways(&config, [end(0, 0.0), end(1, 500.0)], 1.0), [true, true]);
+    assert_eq!(both_ways(&config, [end(0, 0.0), end(1, 1500.0)], 1.0), [false, false]);
+}
+
+/// Asking changes no fate and no count.
+#[test]
+fn asking_whether_a_link_works_leaves_no_trace() {
+    let [mut asked, mut other] = [links(storm(), 5), links(storm(), 5)];
+    for sequence in 0..50 {
+        let there = End { agent: AgentId(0), p_world: sent(0).src_p_world };
+        let here = End { agent: AgentId(1), p_world: sent(0).dst_p_world };
+        asked.works(there, here, sent(0).time);
+        assert_eq!(asked.send(&sent(sequence), payload()), other.send(&sent(sequence), payload()));
+    }
+    assert_eq!(asked.counters(), other.counters());
+}

@@ -53,7 +53,7 @@ fn a_run_has_the_numbers_and_pictures_of_the_census() {
     }
     let read = |name: &str| std::fs::read_to_string(base.path().join("out").join(name)).unwrap();
     let header = "step,time_s,agent,x_m,y_m,z_m,yaw_rad,counted,own,error_m,bytes_sent,violations,\
-                  counted_union,looked_at_pct,role\n";
+                  counted_union,looked_at_pct,staleness_s,contact_pct,components,role\n";
     assert!(read("metrics.csv").starts_with(header));
     let map = read("map.svg");
     assert!(map.contains("cars where they were counted") && map.contains("looked at the ground"));

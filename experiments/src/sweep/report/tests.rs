@@ -145,9 +145,9 @@ fn plots_are_drawn() {
         ("one", picture(&[range], 0)),
         ("two", picture(&[range, "agents.count=2,4,8"], 0)),
         ("open", picture(&[range], 3)),
-        ("few", picture(&["netem.radio.loss.p=0,0.01,0.02,0.1,0.5"], 4)),
+        ("few", picture(&["netem.radio.loss.p=0,0.01,0.02,0.1,0.5"], 5)),
         ("words", picture(&[loss, "exchange.mode=facts,snapshot"], 2)),
-        ("none", picture(&[], 8)),
+        ("none", picture(&[], 12)),
     ];
     if let Some(folder) = std::env::var_os("CSAT_PICTURES") {
         let folder = Path::new(&folder);

@@ -1,0 +1,68 @@
+//! What short radios cost, as the files of a run say it.
+
+mod common;
+
+use std::path::Path;
+
+use common::{csat, json, scratch, text};
+use serde_json::Value;
+
+/// `city` for a minute with small images.
+const CITY: &[&str] = &[
+    "run",
+    "city",
+    "--set",
+    "run.duration_s=60",
+    "--set",
+    "camera.columns=120",
+    "--set",
+    "camera.rows=90",
+    "--set",
+    "camera.min_pixels=1",
+];
+
+/// Flies it and gives its summary.
+fn flown(folder: &Path, sets: &[&str]) -> Value {
+    let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
+    let output = csat(folder, &[CITY, &sets, &["--out", "out"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    json(&folder.join("out/summary.json"))
+}
+
+fn number(summary: &Value, key: &str) -> f64 {
+    summary[key].as_f64().unwrap_or_else(|| panic!("{key}: {}", summary[key]))
+}
+
+/// `unexplored_pct` and `fleet_unexplored_pct` of each row of `metrics.csv`.
+fn unexplored(folder: &Path) -> Vec<[f64; 2]> {
+    let mut metrics = csv::Reader::from_path(folder.join("out/metrics.csv")).unwrap();
+    let header = metrics.headers().unwrap().clone();
+    let place = |key: &str| header.iter().position(|name| name == key).expect(key);
+    let places = ["unexplored_pct", "fleet_unexplored_pct"].map(place);
+    let values = |row: csv::StringRecord| places.map(|place| row[place].parse().unwrap());
+    metrics.records().map(|row| values(row.unwrap())).collect()
+}
+
+#[test]
+fn with_perfect_links_the_fleet_knows_what_each_uav_knows() {
+    let base = scratch();
+    let summary = flown(base.path(), &[]);
+    let untold = number(&summary, "unexplored_pct") - number(&summary, "fleet_unexplored_pct");
+    assert!(untold.abs() < 1e-9, "{untold}");
+    assert!(unexplored(base.path()).iter().all(|[own, fleet]| own == fleet));
+    let contact = ["contact_pct", "components", "staleness_s"].map(|key| number(&summary, key));
+    assert_eq!(contact, [100.0, 1.0, 0.0]);
+}
+
+#[test]
+fn with_radios_of_100_m_it_knows_more_than_each_uav() {
+    let base = scratch();
+    let summary = flown(base.path(), &["netem.radio.range_m=100"]);
+    let untold = number(&summary, "unexplored_pct") - number(&summary, "fleet_unexplored_pct");
+    assert!(untold > 1.0, "{untold}");
+    assert!(unexplored(base.path()).iter().all(|[own, fleet]| own >= fleet));
+    assert!(number(&summary, "components") > 1.0, "{summary}");
+    let contact_pct = number(&summary, "contact_pct");
+    assert!((0.0..100.0).contains(&contact_pct), "{contact_pct}");
+    assert!(number(&summary, "staleness_s") > 0.0, "{summary}");
+}
