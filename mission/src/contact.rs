@@ -76,7 +76,7 @@ pub const PANELS: &[Panel] = &[
     Panel {
         title: "Groups of UAVs connected by working links",
         live: Some("Components"),
-        unit: "groups",
+        unit: "",
         axis: [2.0, f64::INFINITY],
         curves: &[Curve::new(COMPONENTS, "", BLUE)],
         of_stations: None,

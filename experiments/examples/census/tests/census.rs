@@ -160,7 +160,7 @@ fn the_live_page_shows_the_census() {
         line.split_whitespace().find(|word| word.starts_with("http://")).map(str::to_owned)
     });
     browser.open(&line.expect("its address"));
-    browser.wait_for("document.querySelectorAll('.curve canvas').length === 3");
+    browser.wait_for("document.querySelectorAll('.curve canvas').length === 6");
     browser.wait_for("document.body.textContent.includes('cars where they were counted')");
     browser.wait_for("document.getElementById('headline-name').textContent === 'counted'");
     browser.wait_for("document.getElementById('details').textContent.includes('by itself')");
