@@ -174,7 +174,9 @@ impl Summary {
             Some(format!("{} {number}{}, ", column.name, self.milestones(kind, column.key)))
         };
         let columns = kind.headline.iter().filter_map(|key| kind.column(key));
-        let flags = kind.columns.iter().filter(|column| column.is_flag && self.is_set(column));
+        // Those that are plotted stand in the next lines.
+        let unsaid = |column: &&Column| column.is_flag && column.plot.is_none();
+        let flags = kind.columns.iter().filter(unsaid).filter(|column| self.is_set(column));
         let flags = flags.map(|column| format!("{}, ", column.name));
         columns.filter_map(reached).chain(flags).collect()
     }
