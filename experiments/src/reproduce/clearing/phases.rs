@@ -33,7 +33,8 @@ const KINDS: [Kind; 3] = [
     ("merge", "joined a formation as a helper", |counters| counters.merges),
 ];
 
-/// Flies a mission until all of [`KINDS`] have happened, or to its end. The phases are in the order of time.
+/// Flies a mission until a split, a merge and an encounter have happened, or to its end. The phases are in the order
+/// of time.
 pub fn fly(mission: Clearing, loaded: Loaded) -> Vec<Phase> {
     let Loaded { scenario, world, .. } = loaded;
     let uavs = usize::from(scenario.agents.count);
