@@ -53,8 +53,6 @@ pub struct ClearingAgent {
     step: Step,
     /// That of its first one.
     first: Step,
-    /// From the frame before to the last one.
-    periods: u32,
     /// Whether it had a frame or a step yet.
     has_begun: bool,
     /// Whether the last frame was not acted upon yet.
@@ -94,7 +92,6 @@ impl ClearingAgent {
             pose: Pose::default(),
             step: Step(0),
             first: Step(0),
-            periods: 0,
             has_begun: false,
             is_pending: false,
             commanded_m: [0.0; 2],
@@ -233,9 +230,8 @@ impl ClearingAgent {
             return false;
         }
         if !self.has_begun {
-            (self.first, self.step) = (step, step);
+            self.first = step;
         }
-        self.periods = step.0 - self.step.0;
         (self.step, self.pose, self.has_begun, self.is_pending) = (step, pose, true, true);
         true
     }

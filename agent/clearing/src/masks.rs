@@ -161,8 +161,11 @@ impl Masks {
 
     /// Near the edge, what is no frontier is no longer the own.
     fn forget(&mut self, sight: &Sight) {
-        let inner = self.mine.clone().and_not(&self.unknown.dilated(sight.radii.reach));
-        let left = inner.and_not(&sight.driven);
+        let outer = self.mine.clone().and_not(&sight.driven);
+        if outer.is_empty() {
+            return;
+        }
+        let left = outer.and_not(&self.unknown.dilated(sight.radii.reach));
         self.mine = self.mine.clone().and_not(&left);
         self.foreign = self.foreign.clone().or(&left);
     }

@@ -3,6 +3,7 @@
 //! Only displacements between frames count, so it does not matter where the odometry has its origin.
 
 use csat_proto::camera::Pose;
+use csat_proto::time::Step;
 
 use crate::config::AgentConfig;
 use crate::radii::DRIFT_PX;
@@ -16,8 +17,8 @@ pub struct Registration {
     error_m: f64,
     /// The longest path in a period, metres.
     most_m: f64,
-    /// Row and column of the first pixel of the image on the lattice; `None` before the first frame.
-    window: Option<[i32; 2]>,
+    /// The step of the last frame, and row and column of its first pixel on the lattice.
+    last: Option<(Step, [i32; 2])>,
     /// The most that was flown since the lattice was taken up, metres.
     path_m: f64,
 }
@@ -42,7 +43,7 @@ impl Registration {
             drift_share: config.odometry.drift_share,
             error_m,
             most_m: config.fleet.speed_m_s * config.period_s + error_m,
-            window: None,
+            last: None,
             path_m: 0.0,
         }
     }
@@ -52,12 +53,12 @@ impl Registration {
         self.path_m = 0.0;
     }
 
-    /// Places the next frame, so many periods after the last one, of which the first began with a command to fly
-    /// `commanded_m` metres.
-    pub fn place(&mut self, pose: &Pose, commanded_m: [f64; 2], periods: u32) -> Moved {
+    /// Places the frame of a step, after a command to fly `commanded_m` metres in the period after the last frame.
+    pub fn place(&mut self, step: Step, pose: &Pose, commanded_m: [f64; 2]) -> Moved {
         let [east, north, _] = pose.p_world;
         let next = [-north, east].map(|metres| (metres / self.pixel_m).round() as i32);
-        let last = self.window.replace(next).unwrap_or(next);
+        let (last_step, last) = self.last.replace((step, next)).unwrap_or((step, next));
+        let periods = step.0.saturating_sub(last_step.0);
         let flown_m = commanded_m[0].hypot(commanded_m[1]);
         self.path_m += flown_m + f64::from(periods) * self.error_m;
         let reserve_m = DRIFT_PX * self.pixel_m;
@@ -89,9 +90,11 @@ mod tests {
         let mut config = config();
         config.odometry.drift_share = 0.02;
         let mut registration = Registration::new(&config);
+        let mut step = Step(0);
         let mut place = |east_m: f64, periods| {
             let pose = Pose::level([east_m, 0.0, 70.0], 0.0);
-            registration.place(&pose, [1.0, 0.0], periods)
+            step = step.after(periods);
+            registration.place(step, &pose, [1.0, 0.0])
         };
         let pixel_m = config.pixel_m();
         let most_m = pixel_m / 0.02 - config.fleet.speed_m_s * config.period_s;

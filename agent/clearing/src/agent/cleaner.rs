@@ -88,7 +88,7 @@ impl Cleaner {
 impl ClearingAgent {
     /// Takes a frame in: the masks of a cleaner and of a wing advance.
     pub(super) fn look(&mut self, frame: &Frame) {
-        let moved = self.registration.place(&self.pose, self.commanded_m, self.periods);
+        let moved = self.registration.place(self.step, &self.pose, self.commanded_m);
         self.commanded_m = [0.0; 2];
         self.claims = self.nothing.clone();
         let is_first = self.config.id == AgentId(0)
