@@ -18,11 +18,11 @@ use csat_proto::frame::{Frame, Label};
 use csat_proto::ids::{AgentId, ChannelId, Incarnation};
 use csat_proto::radio::Reception;
 use csat_proto::time::{SimTime, Step};
+use rand::RngExt;
 use rand::seq::{IndexedMutRandom, IndexedRandom};
-use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::spoil::any_up_to;
+use super::spoil::{any_up_to, changed};
 use crate::missions::shipped;
 
 const UAVS: u16 = 3;
@@ -217,12 +217,7 @@ fn check_honest(fleet: &Fleet, said: &Said) {
 
 /// A changed body; `None` if `bytes` are none.
 pub fn talk(bytes: &[u8], seed: u64) -> Option<Vec<u8>> {
-    let mut message: Message = postcard::from_bytes(bytes).ok()?;
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    for _ in 0..rng.random_range(1..5) {
-        spoil(&mut message, &mut rng);
-    }
-    postcard::to_stdvec(&message).ok()
+    changed(bytes, seed, 1..5, spoil)
 }
 
 fn spoil(message: &mut Message, rng: &mut ChaCha8Rng) {

@@ -1,5 +1,7 @@
 //! False messages that decode: valid facts and snapshots with changed values.
 
+use std::ops::Range;
+
 use csat_proto::ids::{AgentId, Incarnation, TargetId};
 use csat_proto::message::{Fact, HeldFacts, Snapshot};
 use csat_proto::oem::{OemCell, OemDelta, OemPatch};
@@ -8,25 +10,32 @@ use csat_proto::time::Step;
 use rand::seq::{IndexedMutRandom, IndexedRandom};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 /// A changed body of a fact; `None` if `bytes` are not a fact.
 pub fn fact(bytes: &[u8], seed: u64) -> Option<Vec<u8>> {
-    let mut fact: Fact = postcard::from_bytes(bytes).ok()?;
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    for _ in 0..rng.random_range(1..4) {
-        spoil_fact(&mut fact, &mut rng);
-    }
-    postcard::to_stdvec(&fact).ok()
+    changed(bytes, seed, 1..4, spoil_fact)
 }
 
 /// A changed body of a snapshot; `None` if `bytes` are not a snapshot.
 pub fn snapshot(bytes: &[u8], seed: u64) -> Option<Vec<u8>> {
-    let mut snapshot: Snapshot = postcard::from_bytes(bytes).ok()?;
+    changed(bytes, seed, 1..4, spoil_snapshot)
+}
+
+/// A body that is read, changed so many `times`, and written again; `None` if `bytes` are no such body.
+pub fn changed<T: Serialize + DeserializeOwned>(
+    bytes: &[u8],
+    seed: u64,
+    times: Range<u32>,
+    change: fn(&mut T, &mut ChaCha8Rng),
+) -> Option<Vec<u8>> {
+    let mut body = postcard::from_bytes(bytes).ok()?;
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    for _ in 0..rng.random_range(1..4) {
-        spoil_snapshot(&mut snapshot, &mut rng);
+    for _ in 0..rng.random_range(times) {
+        change(&mut body, &mut rng);
     }
-    postcard::to_stdvec(&snapshot).ok()
+    postcard::to_stdvec(&body).ok()
 }
 
 fn spoil_snapshot(snapshot: &mut Snapshot, rng: &mut ChaCha8Rng) {
