@@ -137,10 +137,7 @@ fn every_key_has_an_effect() {
     }
     // The rules of the paper leak, which is a violation.
     let paper = ["clearing.rules=\"paper\"", "run.duration_s=200"];
-    let sets = SMALL.sets.iter().chain(&paper).flat_map(|set| ["--set", set]);
-    let arguments: Vec<&str> =
-        ["run", "clearing", "--out", "paper"].into_iter().chain(sets).collect();
-    let output = csat(base.path(), &arguments);
+    let output = SMALL.ended(base.path(), "run", "paper", &paper);
     assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("a road called cleared that is contaminated"));
     // The radios change places.

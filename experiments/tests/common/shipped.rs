@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::process::Output;
 
 use serde_json::Value;
 
@@ -20,12 +21,17 @@ pub type Key = (&'static str, &'static [&'static str]);
 impl Shipped {
     /// The summary of a mission with more values.
     pub fn flown(&self, folder: &Path, command: &str, out: &str, sets: &[&str]) -> Value {
+        let output = self.ended(folder, command, out, sets);
+        assert_eq!(output.status.code(), Some(0), "{sets:?}: {}", text(&output.stderr));
+        serde_json::from_slice(&output.stdout).expect("a summary")
+    }
+
+    /// How the command for a mission with more values ends.
+    pub fn ended(&self, folder: &Path, command: &str, out: &str, sets: &[&str]) -> Output {
         let sets = self.sets.iter().chain(sets).flat_map(|set| ["--set", set]);
         let arguments: Vec<&str> =
             [command, self.name, "--json", "--out", out].into_iter().chain(sets).collect();
-        let output = csat(folder, &arguments);
-        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
-        serde_json::from_slice(&output.stdout).expect("a summary")
+        csat(folder, &arguments)
     }
 
     /// One process and many come to the same, in each case: `keys` of the summary, and every measured value.
