@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use csat_proto::agent::{Agent, Transmit};
-use csat_proto::camera::Pose;
+use csat_proto::camera::{Pose, PoseError};
 use csat_proto::command::Command;
 use csat_proto::envelope::Envelope;
 use csat_proto::frame::Frame;
@@ -67,6 +67,8 @@ pub struct SetMembershipAgent {
     transmitter: Transmitter,
     repair: Repair,
     pose: Pose,
+    /// The half-widths of the box of `pose`.
+    pose_error: PoseError,
     /// The poses of the last decision (5.35).
     planned: Vec<Pose>,
     /// The heading of the last command, which the vehicle flies or turns to.
@@ -110,6 +112,7 @@ impl SetMembershipAgent {
             repair: Repair::new(config),
             own_frame: OwnFrame::default(),
             pose: Pose::default(),
+            pose_error: PoseError::NONE,
             planned: Vec::new(),
             commanded_yaw_rad: None,
             last_facts: BTreeMap::new(),
@@ -156,6 +159,11 @@ impl SetMembershipAgent {
     /// The pose of its last frame, or of its last step if it has no camera.
     pub fn pose(&self) -> &Pose {
         &self.pose
+    }
+
+    /// The half-widths of the box about that pose that contains the true one; all 0 where it is exact.
+    pub fn pose_error(&self) -> &PoseError {
+        &self.pose_error
     }
 
     /// The poses that it plans at the ends of the blocks of T_MPC; empty before its first decision.
@@ -401,6 +409,7 @@ impl Agent for SetMembershipAgent {
         if let Some(airspace) = &mut self.airspace {
             airspace.see(&self.config.camera.at(&frame.pose), frame);
         }
+        self.pose_error = frame.pose_error;
         self.begin(now, frame.step, frame.pose, |sensor| {
             info_span!("sense").in_scope(|| sensor.measure(frame))
         });

@@ -1,6 +1,6 @@
 //! The configuration of an agent.
 
-use csat_proto::camera::CameraModel;
+use csat_proto::camera::{CameraModel, PoseError};
 use csat_proto::ids::{AgentId, ChannelId, Incarnation, RunId};
 use csat_proto::model::{FleetModel, Ground, TargetsModel};
 use csat_proto::raster::Grid;
@@ -27,6 +27,8 @@ pub struct AgentConfig {
     pub stations: u16,
     /// The camera.
     pub camera: CameraModel,
+    /// How well poses will be known, for guidance; frames say how well theirs are.
+    pub pose_error: PoseError,
     /// `[estimator]`.
     pub estimator: EstimatorConfig,
     /// `[guidance]`.
@@ -337,6 +339,7 @@ pub(crate) mod tests {
             fleet: FleetModel::default(),
             stations: 0,
             camera: CameraModel::default(),
+            pose_error: PoseError::NONE,
             estimator: EstimatorConfig::default(),
             guidance: GuidanceConfig::default(),
             exchange: ExchangeConfig::default(),

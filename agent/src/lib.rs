@@ -25,7 +25,7 @@
 //! use csat_agent::agent::SetMembershipAgent;
 //! use csat_agent::config::{AgentConfig, Channels, EstimatorConfig, ExchangeConfig, GuidanceConfig};
 //! use csat_proto::agent::Agent;
-//! use csat_proto::camera::{CameraModel, Pose};
+//! use csat_proto::camera::{CameraModel, Pose, PoseError};
 //! use csat_proto::ids::{AgentId, Incarnation, RunId};
 //! use csat_proto::model::{FleetModel, Ground, TargetsModel};
 //! use csat_proto::radio::Reception;
@@ -41,6 +41,7 @@
 //!     fleet: FleetModel { count: 2, ..FleetModel::default() },
 //!     stations: 0,
 //!     camera: CameraModel::default(),
+//!     pose_error: PoseError::NONE,
 //!     estimator: EstimatorConfig::default(),
 //!     guidance: GuidanceConfig::default(),
 //!     exchange: ExchangeConfig::default(),

@@ -66,13 +66,23 @@ pub enum Mutant {
     UnseenAirspaceFree,
     /// A UAV flies on without knowing a way out.
     NoWayOutNeeded,
+    /// The reported pose is taken for the true one.
+    NominalPoseUsed,
+    /// Ground that is clear from some pose of the box is taken for clear.
+    ClearFromSomePose,
+    /// A target is sought where the reported pose has it only.
+    TargetFromOnePose,
+    /// Obstacle margins are taken from the reported pose only.
+    MarginFromOnePose,
+    /// The box of a pose is taken to be no larger than that of a position fix.
+    BoxNotGrownBetweenFixes,
     /// The monitor allows a target to be a metre outside of its set.
     MonitorLenient,
 }
 
 impl Mutant {
     /// All of them.
-    pub const ALL: [Self; 30] = [
+    pub const ALL: [Self; 35] = [
         Self::LateSnapshotNotDilated,
         Self::UnexploredWithoutIdentified,
         Self::ExclusionWithoutDetection,
@@ -102,6 +112,11 @@ impl Mutant {
         Self::ReachInscribed,
         Self::UnseenAirspaceFree,
         Self::NoWayOutNeeded,
+        Self::NominalPoseUsed,
+        Self::ClearFromSomePose,
+        Self::TargetFromOnePose,
+        Self::MarginFromOnePose,
+        Self::BoxNotGrownBetweenFixes,
         Self::MonitorLenient,
     ];
 }

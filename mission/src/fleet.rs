@@ -8,7 +8,7 @@ use csat_netem::counters::{Counters, LinkCounters};
 use csat_netem::fate::{Fate, Sent};
 use csat_netem::link::{Arrival, LinkId};
 use csat_proto::agent::Agent;
-use csat_proto::camera::Pose;
+use csat_proto::camera::{Pose, PoseEstimate};
 use csat_proto::frame::Frame;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::time::{SimTime, Step};
@@ -52,7 +52,7 @@ pub struct Brief {
     /// Where the agents are, by index.
     pub poses: Vec<Pose>,
     /// Where they are told they are, by index.
-    pub reported: Vec<Pose>,
+    pub reported: Vec<PoseEstimate>,
     /// The life of each agent, `None` while it is down.
     pub lives: Vec<Option<Incarnation>>,
     /// Whether the scenario has it that an agent is down, by index: then it takes no process to be.

@@ -39,6 +39,52 @@ impl Pose {
     }
 }
 
+/// How far each component of a true pose may be from the reported one: the half-widths of a box that contains
+/// the true pose (thesis §6.1). All are 0 where the reported pose is exact.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct PoseError {
+    /// Of the position along each axis of `world`, metres.
+    pub p_world: [f64; 3],
+    /// Of the yaw, radians.
+    pub yaw_rad: f64,
+    /// Of the pitch, radians.
+    pub pitch_rad: f64,
+    /// Of the roll, radians.
+    pub roll_rad: f64,
+}
+
+impl PoseError {
+    /// No error.
+    pub const NONE: Self = Self { p_world: [0.0; 3], yaw_rad: 0.0, pitch_rad: 0.0, roll_rad: 0.0 };
+
+    /// The half-widths: x, y, z, metres; yaw, pitch, roll, radians.
+    pub fn half_widths(&self) -> [f64; 6] {
+        let [x, y, z] = self.p_world;
+        [x, y, z, self.yaw_rad, self.pitch_rad, self.roll_rad]
+    }
+
+    /// Whether the reported pose is exact.
+    pub fn is_none(&self) -> bool {
+        *self == Self::NONE
+    }
+}
+
+/// A pose as a UAV knows it.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct PoseEstimate {
+    /// The reported pose, in the middle of the box.
+    pub pose: Pose,
+    /// The half-widths of the box.
+    pub error: PoseError,
+}
+
+impl From<Pose> for PoseEstimate {
+    /// A pose that is exact, or whose error nobody bounds.
+    fn from(pose: Pose) -> Self {
+        Self { pose, error: PoseError::NONE }
+    }
+}
+
 /// How a label relates to the rays of its pixel (thesis §3.5.2). Ground always follows Assumption 4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "u8", into = "u8")]

@@ -6,14 +6,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::camera::{CameraModel, Pose};
+use crate::camera::{CameraModel, Pose, PoseError};
 use crate::command::Command;
 use crate::frame::{Detection, Label, PixelBox};
 use crate::ids::{AgentId, Incarnation, MAX_TARGETS, RunId, TargetId};
 use crate::time::{SimTime, Step};
 
 /// The version of this protocol; processes with another version are refused.
-pub const PROTOCOL: u32 = 3;
+pub const PROTOCOL: u32 = 4;
 
 /// The most messages that an agent sends on a radio per step, averaged over its incarnation: greater
 /// sequence numbers are forged.
@@ -98,6 +98,9 @@ pub struct FrameHeader {
     pub next: SimTime,
     /// The pose estimate of the agent, which is the pose of the frame.
     pub pose: Pose,
+    /// The box about it that contains the true pose; left out where it is exact.
+    #[serde(default, skip_serializing_if = "PoseError::is_none")]
+    pub pose_error: PoseError,
     /// The true position of its antenna, `world`, metres, for the links and not for the agent; `None`
     /// where the pose is exact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -135,6 +138,14 @@ pub enum HeaderError {
     Pose {
         /// The position that it states.
         p_world: [f64; 3],
+    },
+    /// Half-widths of a box of poses that are impossible.
+    #[error(
+        "the pose has errors of up to {half_widths:?} m and rad: expected finite numbers from 0 on"
+    )]
+    PoseError {
+        /// The half-widths that it states.
+        half_widths: [f64; 6],
     },
     /// Targets out of order, or listed twice.
     #[error("detections of targets {0} and {1}: expected each target once, by increasing index")]
@@ -210,7 +221,7 @@ impl FrameHeader {
         labels: &[Label],
     ) -> Result<(), HeaderError> {
         self.check_step(period_s)?;
-        self.check_above_ground()?;
+        self.check_pose()?;
         self.check_no_sighting()?;
         if let Some([a, b]) = self.detections.array_windows().find(|[a, b]| a.target >= b.target) {
             return Err(HeaderError::Order(a.target, b.target));
@@ -234,7 +245,7 @@ impl FrameHeader {
         bytes: usize,
     ) -> Result<(), HeaderError> {
         self.check_step(period_s)?;
-        self.check_above_ground()?;
+        self.check_pose()?;
         let detections = self.detections.len();
         if detections > 0 || bytes > 0 {
             return Err(HeaderError::Labelled { detections, bytes });
@@ -249,9 +260,15 @@ impl FrameHeader {
         }
     }
 
-    fn check_above_ground(&self) -> Result<(), HeaderError> {
-        let p_world = self.pose.p_world;
-        if p_world[2] > 0.0 { Ok(()) } else { Err(HeaderError::Pose { p_world }) }
+    fn check_pose(&self) -> Result<(), HeaderError> {
+        let (p_world, half_widths) = (self.pose.p_world, self.pose_error.half_widths());
+        let is_above_ground = p_world[2] > 0.0;
+        let is_box = half_widths.iter().all(|half| half.is_finite() && *half >= 0.0);
+        match (is_above_ground, is_box) {
+            (false, _) => Err(HeaderError::Pose { p_world }),
+            (true, false) => Err(HeaderError::PoseError { half_widths }),
+            (true, true) => Ok(()),
+        }
     }
 
     fn check_no_sighting(&self) -> Result<(), HeaderError> {
@@ -418,6 +435,7 @@ mod tests {
             time: SimTime::from_seconds(2.0),
             next: SimTime::from_seconds(2.5),
             pose: Pose::level([0.0, 0.0, 50.0], 0.0),
+            pose_error: PoseError::NONE,
             p_world: None,
             yaw_rad: None,
             incarnation: Some(Incarnation(0)),
@@ -445,6 +463,10 @@ mod tests {
         assert!(check(|h, _| h.next = SimTime::from_seconds(7.5)).is_err());
         assert!(check(|h, _| h.pose.p_world[2] = -1.0).is_err());
         assert!(check(|h, _| h.pose.yaw_rad = f64::NAN).is_err());
+        let half_widths = [1.0, -1.0, 0.0, 0.0, 0.0, 0.0];
+        let negative = check(|h, _| h.pose_error.p_world = [1.0, -1.0, 0.0]);
+        assert_eq!(negative, Err(HeaderError::PoseError { half_widths }));
+        assert!(check(|h, _| h.pose_error.yaw_rad = f64::INFINITY).is_err());
         let twice = check(|h, _| h.detections[1].target = TargetId(1));
         assert_eq!(twice, Err(HeaderError::Order(TargetId(1), TargetId(1))));
         let outside = check(|h, _| h.detections[1].pixels.columns = [3, 4]);

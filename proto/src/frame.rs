@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::camera::Pose;
+use crate::camera::{Pose, PoseError};
 use crate::ids::TargetId;
 use crate::time::Step;
 
@@ -51,6 +51,9 @@ pub struct Frame {
     pub step: Step,
     /// The pose that the frame was taken from, as estimated by the agent.
     pub pose: Pose,
+    /// The box about it that contains the true pose, as far as the agent's navigation can tell. Nothing where
+    /// nobody bounds the error.
+    pub pose_error: PoseError,
     /// One label per pixel.
     pub labels: Vec<Label>,
     /// One noisy depth D = ρ(1+w) per pixel, in steps of d_max/65535; meaningless where Unknown.
@@ -66,6 +69,7 @@ impl Frame {
     /// A frame of a detector without labels.
     pub fn of_detector(step: Step, pose: Pose, sighting: Option<[f64; 2]>) -> Self {
         let (labels, depth, detections) = Default::default();
-        Self { step, pose, labels, depth, detections, sighting }
+        let pose_error = PoseError::NONE;
+        Self { step, pose, pose_error, labels, depth, detections, sighting }
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use csat_agent::config::{AgentConfig, Channels, EstimatorConfig, ExchangeConfig, GuidanceConfig};
-use csat_proto::camera::{Assumption, CameraModel, Pose};
+use csat_proto::camera::{Assumption, CameraModel, Pose, PoseError, PoseEstimate};
 use csat_proto::frame::{Frame, Label};
 use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
 use csat_proto::model::{FleetModel, Ground, TargetsModel};
@@ -61,6 +61,13 @@ impl Case {
         renderer.frame(&self.scene, &self.pose, Step(1), self.seed, AgentId(0))
     }
 
+    /// The frame of the camera as an agent gets it that knows its pose to a box: the true pose is anywhere in it.
+    pub fn uncertain_frame(&self) -> Frame {
+        let mut rng = ChaCha8Rng::seed_from_u64(!self.seed);
+        let PoseEstimate { pose, error } = estimate(&mut rng, &self.pose);
+        Frame { pose, pose_error: error, ..self.frame() }
+    }
+
     /// The rings of every obstacle.
     pub fn obstacles(&self) -> impl Iterator<Item = &[Vec<Point>]> {
         let is_obstacle = |prism: &&Prism| matches!(prism.entity, Entity::Obstacle(_));
@@ -77,6 +84,29 @@ impl Case {
 pub fn blind(camera: &CameraModel, step: Step, pose: Pose) -> Frame {
     let (labels, depth) = (vec![Label::Unknown; camera.pixels()], vec![0; camera.pixels()]);
     Frame { labels, depth, ..Frame::of_detector(step, pose, None) }
+}
+
+/// A box that contains a pose: of any width in some of its components, none in others.
+fn estimate(rng: &mut ChaCha8Rng, pose: &Pose) -> PoseEstimate {
+    let size: f64 = *[0.02, 0.3, 1.0].choose(rng).expect("some");
+    let half = [4.0, 4.0, 1.0, 0.15, 0.03, 0.03].map(|most: f64| {
+        if rng.random_bool(0.6) { size * rng.random_range(0.0..most) } else { 0.0 }
+    });
+    // At the ends of the box more often than inside.
+    let off = half
+        .map(|half| half * *[-1.0, 1.0, rng.random_range(-1.0..1.0)].choose(rng).expect("some"));
+    let [x, y, z] = pose.p_world;
+    let reported = Pose {
+        p_world: [x + off[0], y + off[1], z + off[2]],
+        yaw_rad: pose.yaw_rad + off[3],
+        pitch_rad: pose.pitch_rad + off[4],
+        roll_rad: pose.roll_rad + off[5],
+    };
+    // The sums above are rounded.
+    let [x, y, z, yaw_rad, pitch_rad, roll_rad] =
+        half.map(|half| if half > 0.0 { half + 1e-12 } else { 0.0 });
+    let error = PoseError { p_world: [x, y, z], yaw_rad, pitch_rad, roll_rad };
+    PoseEstimate { pose: reported, error }
 }
 
 fn config(rng: &mut ChaCha8Rng) -> AgentConfig {
@@ -110,6 +140,7 @@ fn config(rng: &mut ChaCha8Rng) -> AgentConfig {
         fleet: FleetModel { count: 2, ..FleetModel::default() },
         stations: 0,
         camera: camera(rng),
+        pose_error: PoseError::NONE,
         estimator,
         guidance: GuidanceConfig::default(),
         exchange: ExchangeConfig::default(),

@@ -15,6 +15,7 @@
 //! | [`track`] | tracks that cars follow instead of driving on their own |
 //! | `uav` | how UAVs move; a new kind of vehicle implements its trait |
 //! | [`navigation`] | the errors of reported poses |
+//! | [`observer`] | boxes that contain true poses |
 //! | [`odometry`] | reported poses in a frame of the agent's own |
 //! | [`scene`] | the solids that cameras see |
 //! | [`camera`] | frames with exact labels, and the oracle that checks them |
@@ -44,6 +45,7 @@ pub mod camera;
 pub mod contamination;
 pub mod map;
 pub mod navigation;
+pub mod observer;
 pub mod obstacle;
 pub mod odometry;
 mod plane;

@@ -28,6 +28,8 @@ pub(crate) enum StreamPurpose {
     Motion(AgentId),
     /// The errors of the odometry of one UAV.
     Odometry(AgentId),
+    /// The errors of the position fixes and of the dead reckoning of one UAV.
+    Observer(AgentId),
 }
 
 /// The stream of `purpose` under the scenario's `seed`.
@@ -45,6 +47,7 @@ pub(crate) fn stream(seed: u64, purpose: StreamPurpose) -> ChaCha8Rng {
         StreamPurpose::Navigation(id) => (*b"navi", u32::from(id.0)),
         StreamPurpose::Motion(id) => (*b"move", u32::from(id.0)),
         StreamPurpose::Odometry(id) => (*b"odom", u32::from(id.0)),
+        StreamPurpose::Observer(id) => (*b"obsv", u32::from(id.0)),
     };
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(u64::from(u32::from_be_bytes(tag)) << 32 | u64::from(index));

@@ -1,6 +1,6 @@
 //! What a UAV carries: a camera whose pixels are labelled, one with a detector, or one that segments roads.
 
-use csat_proto::camera::{CameraModel, Pose};
+use csat_proto::camera::{CameraModel, Pose, PoseEstimate};
 use csat_proto::detector::DetectorModel;
 use csat_proto::frame::Frame;
 use csat_proto::ids::AgentId;
@@ -83,22 +83,23 @@ impl Sensor {
         sight: &Sight<'_>,
         agent: AgentId,
         pose: &Pose,
-        reported: &Pose,
+        reported: &PoseEstimate,
     ) -> Frame {
         let &Sight { step, seed, scene, targets, roads } = sight;
         let stream = Stream { seed, agent, step };
+        let &PoseEstimate { pose: reported, error: pose_error } = reported;
         match self {
             Self::Labels(renderer) => {
                 let frame = renderer.frame(scene, pose, step, seed, agent);
-                Frame { pose: *reported, ..frame }
+                Frame { pose: reported, pose_error, ..frame }
             }
             Self::Detector(camera, detector) => {
                 let sighting = sighting(camera, detector, pose, targets, stream);
-                Frame::of_detector(step, *reported, sighting)
+                Frame { pose_error, ..Frame::of_detector(step, reported, sighting) }
             }
             Self::Roads(camera, model) => {
                 let labels = roads::labels(camera, model, pose, roads, stream);
-                Frame { labels, ..Frame::of_detector(step, *reported, None) }
+                Frame { labels, pose_error, ..Frame::of_detector(step, reported, None) }
             }
         }
     }
@@ -172,7 +173,7 @@ mod tests {
         let mut frame = |step| {
             let sight = Sight { step: Step(step), seed: 3, scene: &scene, targets, roads: None };
             let reported = Pose { yaw_rad: 0.4, ..pose() };
-            let frame = sensor.frame(&sight, AgentId(1), &pose(), &reported);
+            let frame = sensor.frame(&sight, AgentId(1), &pose(), &reported.into());
             assert_eq!((frame.pose, frame.labels.len()), (reported, 0));
             frame.sighting
         };
@@ -223,7 +224,7 @@ mod tests {
         let sight = Sight { step: Step(2), seed: 3, scene: &scene, targets: &[], roads: None };
         let mut sensor = Sensor::new(SensorModel::Labels(CAMERA));
         let reported = Pose { yaw_rad: 1.4, ..pose() };
-        let frame = sensor.frame(&sight, AgentId(0), &pose(), &reported);
+        let frame = sensor.frame(&sight, AgentId(0), &pose(), &reported.into());
         let expected = Renderer::new(CAMERA).frame(&scene, &pose(), Step(2), 3, AgentId(0));
         assert_eq!(frame, Frame { pose: reported, ..expected });
         assert!(frame.labels.contains(&csat_proto::frame::Label::Target));

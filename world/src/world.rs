@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use csat_proto::camera::{CameraModel, Pose};
+use csat_proto::camera::{CameraModel, Pose, PoseEstimate};
 use csat_proto::command::Command;
 use csat_proto::ids::AgentId;
 use csat_proto::model::{
@@ -12,6 +12,7 @@ use csat_proto::time::Step;
 
 use crate::map::{self, Map, MapConfig, MapError, MapRules, MapWarning};
 use crate::navigation::{Navigation, NavigationModel};
+use crate::observer::{Observer, ObserverModel};
 use crate::obstacle::{Obstacle, Walls};
 use crate::odometry::Odometry;
 use crate::road::{RoadGraph, RoadRules};
@@ -59,6 +60,8 @@ pub struct WorldConfig {
     pub navigation: Option<NavigationModel>,
     /// The errors of reported poses that are relative to the start; `None` where they are not.
     pub odometry: Option<OdometryModel>,
+    /// How well a UAV knows its pose, as a box that contains it; `None` where nobody needs such a box.
+    pub observer: Option<ObserverModel>,
     /// What cameras that segment roads get wrong; `None` where none does.
     pub segmentation: Option<RoadSensor>,
     /// T, seconds.
@@ -76,6 +79,7 @@ impl Default for WorldConfig {
             camera: CameraModel::default(),
             navigation: None,
             odometry: None,
+            observer: None,
             segmentation: None,
             period_s: 0.5,
         }
@@ -107,6 +111,8 @@ pub struct World {
     navigation: Vec<Navigation>,
     /// By UAV; empty where reported poses are not relative to the start.
     odometry: Vec<Odometry>,
+    /// By UAV; empty where no pose has a box.
+    observers: Vec<Observer>,
     cleared: Option<Cleared>,
     step: Step,
 }
@@ -124,6 +130,18 @@ fn odometry(config: &WorldConfig, vehicles: &[Box<dyn Vehicle>], seed: u64) -> V
     let poses = vehicles.iter().map(|uav| uav.pose());
     let ids = (0..).map(AgentId);
     ids.zip(poses).map(|(id, pose)| Odometry::new(model, &pose, seed, id)).collect()
+}
+
+/// The observers of the UAVs' poses, if they have any.
+fn observers(config: &WorldConfig, vehicles: &[Box<dyn Vehicle>], seed: u64) -> Vec<Observer> {
+    let Some(model) = config.observer.as_ref().filter(|model| !model.is_exact()) else {
+        return Vec::new();
+    };
+    let model = Arc::new(model.clone());
+    let observer = |(id, uav): (u16, &Box<dyn Vehicle>)| {
+        Observer::new(model.clone(), config.period_s, &uav.pose(), seed, AgentId(id))
+    };
+    (0..).zip(vehicles).map(observer).collect()
 }
 
 impl World {
@@ -197,6 +215,7 @@ impl World {
         let prisms = (0..).zip(&map.obstacles).map(|(i, o)| o.prism(i)).collect();
         let navigation = navigation(&config, seed);
         let odometry = odometry(&config, &vehicles, seed);
+        let observers = observers(&config, &vehicles, seed);
         let step = Step(0);
         Ok(Self {
             config,
@@ -208,6 +227,7 @@ impl World {
             vehicles,
             navigation,
             odometry,
+            observers,
             cleared,
             step,
         })
@@ -233,6 +253,9 @@ impl World {
         self.navigation.iter_mut().for_each(Navigation::advance);
         for (odometry, vehicle) in self.odometry.iter_mut().zip(&self.vehicles) {
             odometry.advance(&vehicle.pose());
+        }
+        for (observer, vehicle) in self.observers.iter_mut().zip(&self.vehicles) {
+            observer.advance(&vehicle.pose());
         }
     }
 
@@ -279,14 +302,19 @@ impl World {
     }
 
     /// The same as the agents are told: poses of UAVs have errors if [`WorldConfig::navigation`] says so, or are
-    /// relative to their starts if [`WorldConfig::odometry`] does.
-    pub fn reported_poses(&self) -> Vec<Pose> {
-        let mut poses = self.poses();
-        for (pose, navigation) in poses.iter_mut().zip(&self.navigation) {
-            *pose = navigation.reported(pose);
+    /// relative to their starts if [`WorldConfig::odometry`] does, or come with a box that contains the true one
+    /// if [`WorldConfig::observer`] does.
+    pub fn reported_poses(&self) -> Vec<PoseEstimate> {
+        let mut poses: Vec<PoseEstimate> =
+            self.poses().into_iter().map(PoseEstimate::from).collect();
+        for (estimate, navigation) in poses.iter_mut().zip(&self.navigation) {
+            estimate.pose = navigation.reported(&estimate.pose);
         }
-        for (pose, odometry) in poses.iter_mut().zip(&self.odometry) {
-            *pose = odometry.reported(pose);
+        for (estimate, odometry) in poses.iter_mut().zip(&self.odometry) {
+            estimate.pose = odometry.reported(&estimate.pose);
+        }
+        for (estimate, observer) in poses.iter_mut().zip(&self.observers) {
+            *estimate = observer.estimate(&estimate.pose);
         }
         poses
     }

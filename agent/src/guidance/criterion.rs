@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use csat_proto::camera::{CameraModel, Pose};
+use csat_proto::camera::{CameraModel, Pose, PoseError};
 use csat_proto::raster::{Grid, Raster};
 
 use super::footprint::Footprint;
@@ -12,6 +12,7 @@ use super::shadow::{OccupiedCells, ShadowCaster, hides_point};
 use super::view_cache::ViewCache;
 use crate::config::{AgentConfig, Criterion};
 use crate::estimate::oem::Oem;
+use crate::sense::pose_box::PoseBox;
 
 /// What hides a part of the footprint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,6 +64,7 @@ impl Weights {
 #[derive(Debug, Clone)]
 pub(super) struct VisibilityModel {
     camera: CameraModel,
+    pose_error: PoseError,
     grid: Grid,
     criterion: Criterion,
     occlusion: Occlusion,
@@ -75,6 +77,7 @@ impl VisibilityModel {
         let grid = config.raster_grid();
         Self {
             camera: config.planning_camera(),
+            pose_error: config.pose_error,
             grid,
             criterion: config.guidance.criterion,
             occlusion: match config.guidance.criterion {
@@ -104,7 +107,8 @@ impl VisibilityModel {
 
     /// F(x^u) ∩ X_g of a pose.
     pub(super) fn footprint(&self, pose: &Pose) -> Footprint {
-        Footprint::of(&self.camera.at(pose), &self.grid)
+        let view = self.camera.at(pose);
+        Footprint::of(&view, &PoseBox::new(&view, pose, &self.pose_error), &self.grid)
     }
 
     /// F(x^u) ∩ `grown` without what is hidden by the criterion. `grown` is that of `view_cache`,

@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use csat_proto::camera::{CameraModel, Pose};
+use csat_proto::camera::{CameraModel, Pose, PoseError};
 use csat_proto::raster::{Grid, Raster};
 
 use super::height_map::{HeightMap, STOREY_M};
@@ -29,6 +29,7 @@ static NOTHING: VisibleCells = VisibleCells::nothing();
 pub(super) struct FirstLooks {
     /// The camera of guidance with the range within which a look adds to X°.
     camera: CameraModel,
+    pose_error: PoseError,
     grid: Grid,
     /// The cells that were in X^Δ \ X° at every decision so far, without those that were looked at
     /// twice.
@@ -53,6 +54,7 @@ impl FirstLooks {
         let camera = config.planning_camera();
         Self {
             camera: CameraModel { d_max_m: camera.d_max_m.min(reach_m), ..camera },
+            pose_error: config.pose_error,
             grid,
             unknown,
             once: Raster::empty(grid),
@@ -105,14 +107,14 @@ impl FirstLooks {
         if self.roofs.is_empty() {
             return &NOTHING;
         }
-        let Self { camera, grid, roofs, footprints, known, .. } = self;
+        let Self { camera, pose_error, grid, roofs, footprints, known, .. } = self;
         known.entry(place).or_insert_with(|| {
             let mut words = Vec::new();
             for (height_m, cells) in roofs {
                 let aim = place.aim_above(*height_m);
                 let footprint = footprints
                     .entry(aim)
-                    .or_insert_with(|| HeadingFootprint::of(camera, aim, grid.cell_m));
+                    .or_insert_with(|| HeadingFootprint::of(camera, pose_error, aim, grid.cell_m));
                 let eye = place.cell();
                 let seen =
                     |&(row, word, bits): &Bits| (row, word, bits & footprint.word(eye, row, word));

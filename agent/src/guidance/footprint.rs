@@ -4,7 +4,11 @@ use std::ops::Range;
 
 use csat_proto::camera::CameraView;
 use csat_proto::raster::{Grid, Raster};
+use csat_proto::region::metres;
 use nalgebra::Vector3;
+
+use crate::sense::exclusion::HalfPlane;
+use crate::sense::pose_box::PoseBox;
 
 /// The cells whose centres a camera would see without obstacles: the theoretical footprint (3.24)
 /// within d_max, cut to X_g. It is convex, so every row holds one run.
@@ -17,11 +21,18 @@ pub(super) struct Footprint {
 }
 
 impl Footprint {
-    /// The footprint of `view`; empty when it sees no ground.
-    pub(super) fn of(view: &CameraView, grid: &Grid) -> Self {
-        let corners = ground_corners(view);
+    /// The footprint of `view`; empty when it sees no ground. From all `poses` if that is more than one: the
+    /// borders are moved inward as far as they shift.
+    pub(super) fn of(view: &CameraView, poses: &PoseBox, grid: &Grid) -> Self {
+        let corners = match poses.is_exact() {
+            true => ground_corners(view, &visible_corners(view)),
+            false => common_corners(view, poses),
+        };
         let (z, d_max) = (view.centre_world().z, view.model().d_max_m);
-        let reach_squared = (d_max * d_max - z * z).max(0.0);
+        let mut reach_squared = (d_max * d_max - z * z).max(0.0);
+        if !poses.is_exact() {
+            reach_squared = (reach_squared.sqrt() - poses.most_shift_m()).max(0.0).powi(2);
+        }
         let south = corners.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min);
         let north = corners.iter().map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max);
         let rows = grid.rows_between(south, north);
@@ -89,10 +100,10 @@ impl Footprint {
     }
 }
 
-/// The image rectangle on the ground, cut where the depth along the optical axis reaches d_max: a
+/// The corners of the image, pixels, cut where the depth along the optical axis reaches d_max: a
 /// point farther along the axis is farther from the camera too, so no point within d_max is lost, and
 /// the result is bounded. Depth is affine in 1/(c, r), so the cut is a straight line of the image.
-fn ground_corners(view: &CameraView) -> Vec<[f64; 2]> {
+fn visible_corners(view: &CameraView) -> Vec<[f64; 2]> {
     let z = view.centre_world().z;
     if z <= 0.0 {
         return Vec::new();
@@ -113,12 +124,41 @@ fn ground_corners(view: &CameraView) -> Vec<[f64; 2]> {
             kept.push([a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]);
         }
     }
-    let ground = |p: [f64; 2]| {
+    kept
+}
+
+/// The images on the ground of image points below the horizon, `world`, metres.
+fn ground_corners(view: &CameraView, image: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let ground = |p: &[f64; 2]| {
         let ray: Vector3<f64> = view.ray_world(p[0], p[1]);
-        let point = view.centre_world() - ray * (z / ray.z);
+        let point = view.centre_world() - ray * (view.centre_world().z / ray.z);
         [point.x, point.y]
     };
-    kept.into_iter().map(ground).collect()
+    image.iter().map(ground).collect()
+}
+
+/// The same for the part that is in the image from all poses.
+fn common_corners(view: &CameraView, poses: &PoseBox) -> Vec<[f64; 2]> {
+    let image = visible_corners(view);
+    let corners = ground_corners(view, &image);
+    let count = corners.len();
+    let side = area_m2(&corners).signum();
+    let places: Vec<_> = image.iter().map(|&[c, r]| poses.ground_place(c, r)).collect();
+    (0..count).fold(corners.clone(), |kept, i| {
+        let j = (i + 1) % count;
+        let [dx, dy] = [0, 1].map(|axis| corners[j][axis] - corners[i][axis]);
+        let normal = [side * dy, -side * dx];
+        let ends = [&places[i], &places[j]].into_iter().flatten().flatten();
+        let offset = |p: [f64; 2]| normal[0] * p[0] + normal[1] * p[1];
+        let offset = ends.map(|&p| offset(metres(p))).fold(offset(corners[i]), f64::min);
+        HalfPlane { normal, offset }.clip(&kept)
+    })
+}
+
+/// The signed area of a ring, m².
+fn area_m2(ring: &[[f64; 2]]) -> f64 {
+    let next = ring.iter().cycle().skip(1);
+    ring.iter().zip(next).map(|(a, b)| 0.5 * (a[0] * b[1] - b[0] * a[1])).sum()
 }
 
 /// Where the horizontal line at `y` enters and leaves a convex ring; empty when it misses.
@@ -152,7 +192,7 @@ fn centroid(ring: &[[f64; 2]]) -> Option<[f64; 2]> {
 
 #[cfg(test)]
 mod tests {
-    use csat_proto::camera::{CameraModel, Pose};
+    use csat_proto::camera::{CameraModel, Pose, PoseError};
     use csat_proto::model::Ground;
 
     use super::*;
@@ -162,7 +202,48 @@ mod tests {
     }
 
     fn footprint(pose: Pose, grid: &Grid) -> Footprint {
-        Footprint::of(&CameraModel::default().at(&pose), grid)
+        within(&PoseError::NONE, pose, grid)
+    }
+
+    fn within(error: &PoseError, pose: Pose, grid: &Grid) -> Footprint {
+        let view = CameraModel::default().at(&pose);
+        Footprint::of(&view, &PoseBox::new(&view, &pose, error), grid)
+    }
+
+    /// Poses of the box, at its corners and inside: their footprints have the common one in common.
+    #[test]
+    fn the_footprint_of_a_box_is_in_that_of_each_of_its_poses() {
+        let grid = grid(600.0);
+        let mut error = PoseError {
+            p_world: [5.0, 3.0, 0.5],
+            yaw_rad: 0.08,
+            pitch_rad: 0.004,
+            roll_rad: 0.006,
+        };
+        let pose = Pose::level([13.1, -7.2, 52.0], 2.3);
+        let common = within(&error, pose, &grid).raster(grid);
+        let mut all = footprint(pose, &grid).raster(grid);
+        let alone = all.count();
+        for corner in 0..64 {
+            let sign = |axis: u32| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
+            let [x, y, z] = pose.p_world;
+            let [dx, dy, dz] = error.p_world;
+            let other = Pose {
+                p_world: [x + sign(0) * dx, y + sign(1) * dy, z + sign(2) * dz],
+                yaw_rad: pose.yaw_rad + sign(3) * error.yaw_rad,
+                pitch_rad: sign(4) * error.pitch_rad,
+                roll_rad: sign(5) * error.roll_rad,
+            };
+            all.intersect_with(&footprint(other, &grid).raster(grid));
+        }
+        let mut lost = all.clone();
+        lost.subtract(&common);
+        let mut wrong = common.clone();
+        wrong.subtract(&all);
+        assert_eq!(wrong.count(), 0, "cells that a pose does not see");
+        assert!(common.count() * 2 > alone && lost.count() * 20 < common.count());
+        error.yaw_rad = 0.2;
+        assert!(within(&error, pose, &grid).raster(grid).count() < common.count());
     }
 
     /// Every cell, against the camera itself: inside the image and within d_max.

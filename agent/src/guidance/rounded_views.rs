@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use csat_proto::camera::{CameraModel, Pose};
+use csat_proto::camera::{CameraModel, Pose, PoseError};
 use csat_proto::model::Ground;
 use csat_proto::raster::{Grid, Raster};
 
@@ -19,6 +19,7 @@ use super::height_map::HeightMap;
 use super::viewshed::{RayCaster, Rays, Viewshed};
 use crate::config::AgentConfig;
 use crate::estimate::oem::Oem;
+use crate::sense::pose_box::PoseBox;
 
 /// Positions are rounded to multiples of this, cells.
 const SNAP_CELLS: f64 = 3.0;
@@ -115,12 +116,14 @@ pub(super) struct HeadingFootprint {
 impl HeadingFootprint {
     /// What `camera` sees, without obstacles, of a plane of cells of `cell_m` from above the middle
     /// of a cell.
-    pub(super) fn of(camera: &CameraModel, aim: Aim, cell_m: f64) -> Self {
+    pub(super) fn of(camera: &CameraModel, error: &PoseError, aim: Aim, cell_m: f64) -> Self {
         // The origin is the middle of the middle cell.
         let reach = (camera.d_max_m / cell_m).ceil();
         let ground = Ground { size_m: [(2.0 * reach + 1.0) * cell_m; 2] };
         let window = Grid::covering(&ground, cell_m);
-        let footprint = Footprint::of(&camera.at(&aim.pose()), &window);
+        let view = camera.at(&aim.pose());
+        let poses = PoseBox::new(&view, &aim.pose(), error);
+        let footprint = Footprint::of(&view, &poses, &window);
         let from_eye = |cell: u32| cell as i32 - reach as i32;
         let run =
             |(row, run): (u32, Range<u32>)| (from_eye(row), from_eye(run.start)..from_eye(run.end));
@@ -210,6 +213,7 @@ impl VisibleCells {
 #[derive(Debug, Clone)]
 pub(super) struct RoundedViews {
     camera: CameraModel,
+    pose_error: PoseError,
     grid: Grid,
     caster: RayCaster,
     /// Footprints with the rays of their cells.
@@ -223,6 +227,7 @@ impl RoundedViews {
     pub(super) fn new(grid: Grid, config: &AgentConfig) -> Self {
         Self {
             camera: config.planning_camera(),
+            pose_error: config.pose_error,
             grid,
             caster: RayCaster::new(grid, config.planning_camera().d_max_m),
             footprints: BTreeMap::new(),
@@ -247,11 +252,11 @@ impl RoundedViews {
 
     /// F \ H^OEM at `place`.
     pub(super) fn look(&mut self, place: RoundedPose) -> &VisibleCells {
-        let Self { camera, grid, caster, footprints, viewsheds, known } = self;
+        let Self { camera, pose_error, grid, caster, footprints, viewsheds, known } = self;
         known.entry(place).or_insert_with(|| {
             let aim = place.aim_above(0.0);
             let (footprint, rays) = footprints.entry(aim).or_insert_with(|| {
-                let footprint = HeadingFootprint::of(camera, aim, grid.cell_m);
+                let footprint = HeadingFootprint::of(camera, pose_error, aim, grid.cell_m);
                 let rays = caster.rays_of(footprint.cells());
                 (footprint, rays)
             });

@@ -1,6 +1,6 @@
 //! Shadows against the definition: hulls of projected boxes.
 
-use csat_proto::camera::{CameraModel, Pose};
+use csat_proto::camera::{CameraModel, Pose, PoseError};
 use csat_proto::model::Ground;
 use csat_proto::oem::OemDelta;
 use csat_proto::raster::Raster;
@@ -9,6 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::super::footprint::Footprint;
 use super::*;
+use crate::sense::pose_box::PoseBox;
 
 fn grid(cell_m: f64) -> Grid {
     Grid::covering(&Ground { size_m: [500.0; 2] }, cell_m)
@@ -106,7 +107,7 @@ fn shadows_are_the_union_of_the_hulls_of_the_boxes() {
         let oem = random_oem(&mut rng, 45.0);
         let eye = [rng.random_range(-260.0..260.0), rng.random_range(-260.0..260.0), 52.0];
         let pose = Pose::level(eye, rng.random_range(-4.0..4.0));
-        let footprint = Footprint::of(&CameraModel::default().at(&pose), &grid);
+        let footprint = exact(&pose, &grid);
         occupied.load(&oem);
         caster.cast(&occupied, eye, footprint.corners());
         let mut expected = Raster::empty(grid);
@@ -154,7 +155,7 @@ fn what_reaches_the_camera_hides_to_the_horizon() {
     let mut oem = Oem::unexplored(grid(5.0));
     occupy(&mut oem, 60, 50, 60.0); // x 50..55, y 0..5
     let (grid, eye) = (grid(2.0), [0.0, 0.0, 52.0]);
-    let footprint = Footprint::of(&CameraModel::default().at(&Pose::level(eye, 0.0)), &grid);
+    let footprint = exact(&Pose::level(eye, 0.0), &grid);
     let (mut occupied, mut caster) = (OccupiedCells::default(), ShadowCaster::new(&grid, 300.0));
     occupied.load(&oem);
     caster.cast(&occupied, eye, footprint.corners());
@@ -180,4 +181,10 @@ fn looking_down_there_is_no_fan() {
         fan.meets([5.0, 0.0], 0.0) && !fan.meets([-5.0, 0.0], 1.0) && !fan.meets([0.0, 5.0], 1.0)
     );
     assert!(fan.meets([-1.0, 0.0], 2.0), "a cell at the nadir may cast into the fan");
+}
+
+/// The footprint from a pose that is known exactly.
+fn exact(pose: &Pose, grid: &Grid) -> Footprint {
+    let view = CameraModel::default().at(pose);
+    Footprint::of(&view, &PoseBox::new(&view, pose, &PoseError::NONE), grid)
 }

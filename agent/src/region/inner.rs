@@ -68,6 +68,11 @@ impl Inner {
         Inner(Region::from_shapes(shapes))
     }
 
+    /// self minus the union of counter-clockwise rings.
+    pub(crate) fn without(&self, rings: &[Ring]) -> Inner {
+        Inner(overlay(self.0.rings(), rings, RULE::Difference))
+    }
+
     /// self ⊖ disc.
     pub fn eroded(&self, disc: &Disc) -> Inner {
         if !disc.fits(&self.0) {

@@ -8,6 +8,7 @@
 //! | `Outer ∩ Outer` | `Outer` |
 //! | `Outer \ Inner` | `Outer` |
 //! | `Inner ∪ Inner` | `Inner` |
+//! | `Inner` without anything | `Inner` |
 //! | [`Outer::dilated`], [`Outer::simplified`], [`Outer::limited`] | `Outer` |
 //! | [`Inner::eroded`], [`Inner::simplified`], [`Inner::limited`] | `Inner` |
 //!

@@ -5,6 +5,7 @@ use csat_proto::region::{GridPoint, MAX_COORDINATE_M, Region, Ring, grid_point};
 
 use super::exclusion::HalfPlane;
 use super::outline::UNITS_PER_PX;
+use super::pose_box::PoseBox;
 use crate::region::Inner;
 
 /// C = P^g(Y^g) ∩ X_g (4.6): the ground seen through Ground pixels, inner.
@@ -25,6 +26,44 @@ pub fn clear_ground(view: &CameraView, outline: &[Ring], ground: &Region) -> Inn
     // From (column, row) to (east, north) the orientation flips: columns grow to the left of the
     // flight direction, rows along it. Hence the reversal above.
     mapped.map_or_else(Inner::default, |rings| Inner::from_rings(&rings, ground))
+}
+
+/// Where the outline of the Ground pixels may run on the ground.
+#[derive(Debug, Clone)]
+pub(super) struct Swept {
+    /// What each edge of the outline sweeps, as convex rings.
+    pub(super) all: Vec<Ring>,
+    /// Whether the edge is a border of the image.
+    is_border: Vec<bool>,
+}
+
+impl Swept {
+    /// What the edges sweep beyond which something hides the ground, if only for some poses.
+    pub(super) fn silhouettes(&self) -> impl Iterator<Item = &Ring> {
+        self.all.iter().zip(&self.is_border).filter(|(_, is_border)| !**is_border).map(|(r, _)| r)
+    }
+}
+
+/// What the edges of `outline` sweep on the ground from all poses of the box: outside of it, the ground is clear
+/// from all of them or from none. `None` if a Ground pixel may show what is above the horizon.
+pub(super) fn swept(poses: &PoseBox, view: &CameraView, outline: &[Ring]) -> Option<Swept> {
+    let size = [view.model().columns, view.model().rows];
+    // An outline is one unit inside of its pixels.
+    let is_at_end =
+        |units: i32, axis: usize| units <= 1 || units >= i32::from(size[axis]) * UNITS_PER_PX - 1;
+    let is_border = |a: &GridPoint, b: &GridPoint| {
+        (a.x == b.x && is_at_end(a.x, 0)) || (a.y == b.y && is_at_end(a.y, 1))
+    };
+    let edges = |ring: &Ring| {
+        let ends: Vec<bool> =
+            (0..ring.len()).map(|i| is_border(&ring[i], &ring[(i + 1) % ring.len()])).collect();
+        ends
+    };
+    let pixels = |p: &GridPoint| [p.x, p.y].map(|units| f64::from(units) / f64::from(UNITS_PER_PX));
+    let image: Vec<Vec<[f64; 2]>> =
+        outline.iter().map(|ring| ring.iter().map(pixels).collect()).collect();
+    let all = poses.swept_outline(&image)?;
+    Some(Swept { all, is_border: outline.iter().flat_map(edges).collect() })
 }
 
 /// A ring (`world`, metres) rounded to the grid. Parts beyond the grid are cut off, because moving

@@ -65,14 +65,14 @@ fn square(half_side: f64) -> Vec<[f64; 2]> {
 }
 
 /// {p : normal · p <= offset}.
-pub(super) struct HalfPlane {
-    pub(super) normal: [f64; 2],
-    pub(super) offset: f64,
+pub(crate) struct HalfPlane {
+    pub(crate) normal: [f64; 2],
+    pub(crate) offset: f64,
 }
 
 impl HalfPlane {
     /// The part of a ring in it; winding numbers there stay as they are.
-    pub(super) fn clip(&self, polygon: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    pub(crate) fn clip(&self, polygon: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let excess = |p: [f64; 2]| self.normal[0] * p[0] + self.normal[1] * p[1] - self.offset;
         let mut kept = Vec::with_capacity(polygon.len() + 1);
         for (i, &a) in polygon.iter().enumerate() {

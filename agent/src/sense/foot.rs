@@ -11,23 +11,31 @@ use csat_proto::frame::{Frame, Label};
 use nalgebra::Vector3;
 
 use super::label_at;
+use super::pose_box::PoseBox;
 
 /// Pixels within this distance of the image of a point must be Ground too, pixels; far more than
 /// rounding.
 const GUARD_PX: f64 = 0.01;
+/// Images in a strip shift by no more than this times what they shift at its end, as long as that is little.
+const SLACK: f64 = 1.2;
 /// How often the step is halved after a part that is not all seen.
 const HALVINGS: u32 = 3;
 
 /// The part of the hull of `corners` (`world`, metres) that is not above seen ground, as the corners
 /// of a set that contains it. On the side of the camera, the part is cut off that is seen through
 /// Ground pixels of the same frame over the whole width of the hull. Empty if all of it is seen.
+///
+/// At another roll, pitch and height of the box, the ground at a point is seen through a pixel that shows ground
+/// nearby from the reported ones. So there must be seen ground all around, as far as such an image can shift.
 pub(super) fn unseen_part(
     view: &CameraView,
+    poses: &PoseBox,
     frame: &Frame,
     corners: Vec<[f64; 2]>,
 ) -> Vec<[f64; 2]> {
     let Some(strip) = Strip::around(view, &corners) else { return corners };
-    let seen_to = strip.seen_to(view, frame);
+    let Some(shift_m) = strip.shift_m(view, poses) else { return corners };
+    let seen_to = strip.widened(shift_m).seen_to(view, frame) - shift_m;
     let [start, end] = strip.along;
     if seen_to <= start {
         return corners;
@@ -99,6 +107,32 @@ impl Strip {
         [x + ux * along - uy * across, y + uy * along + ux * across]
     }
 
+    /// How far the image on the ground of any point in the strip shifts over the box, at most, metres; `None` if that
+    /// is not known.
+    fn shift_m(&self, view: &CameraView, poses: &PoseBox) -> Option<f64> {
+        if poses.is_exact() {
+            return Some(0.0);
+        }
+        // Images shift the more, the farther away they are.
+        let shift_at = |beyond_m: f64| {
+            let across = self.across[0].abs().max(self.across[1].abs()) + beyond_m;
+            let sides = [-across, across].map(|across| {
+                let [x, y] = self.point(self.along[1] + beyond_m, across);
+                let [c, r] = view.project(&Vector3::new(x, y, 0.0))?;
+                poses.tilt_shift_m(c, r)
+            });
+            Some(sides[0]?.max(sides[1]?))
+        };
+        let shift_m = SLACK * shift_at(0.0)?;
+        (shift_at(shift_m)? <= shift_m).then_some(shift_m)
+    }
+
+    /// The strip with a border of this width.
+    fn widened(&self, border_m: f64) -> Self {
+        let wider = |[low, high]: [f64; 2]| [low - border_m, high + border_m];
+        Self { along: wider(self.along), across: wider(self.across), ..*self }
+    }
+
     /// The coordinate along the strip up to which all of it is seen, metres.
     fn seen_to(&self, view: &CameraView, frame: &Frame) -> f64 {
         let [mut seen_to, end] = self.along;
@@ -146,7 +180,7 @@ impl Strip {
 
 #[cfg(test)]
 mod tests {
-    use csat_proto::camera::{CameraModel, Pose};
+    use csat_proto::camera::{CameraModel, Pose, PoseError};
     use csat_proto::time::Step;
 
     use super::*;
@@ -178,6 +212,10 @@ mod tests {
         (view, frame)
     }
 
+    fn exact(view: &CameraView) -> PoseBox {
+        PoseBox::new(view, &Pose::default(), &PoseError::NONE)
+    }
+
     /// A strip a pixel wide that points east.
     fn hull([near, far]: [f64; 2], north: f64) -> Vec<[f64; 2]> {
         vec![[near, north - 0.1], [near, north + 0.1], [far, north + 0.12], [far, north - 0.12]]
@@ -187,7 +225,7 @@ mod tests {
     fn a_wall_is_not_in_front_of_its_foot() {
         let (view, frame) = wall();
         for north in [0.0, 7.3, -20.0] {
-            let rest = unseen_part(&view, &frame, hull([98.5, 100.9], north));
+            let rest = unseen_part(&view, &exact(&view), &frame, hull([98.5, 100.9], north));
             let nearest = rest.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min);
             // A row of pixels spans 0.42 m there, and that of the foot is not Ground.
             assert!((99.1..=WALL_M).contains(&nearest), "{nearest}");
@@ -198,9 +236,12 @@ mod tests {
     #[test]
     fn what_is_all_seen_or_not_at_all_is_not_cut() {
         let (view, frame) = wall();
-        assert_eq!(unseen_part(&view, &frame, hull([95.0, 97.0], 0.0)), Vec::<[f64; 2]>::new());
+        assert_eq!(
+            unseen_part(&view, &exact(&view), &frame, hull([95.0, 97.0], 0.0)),
+            Vec::<[f64; 2]>::new()
+        );
         for unseen in [hull([100.5, 102.0], 0.0), hull([98.0, 101.0], 60.0), Vec::new()] {
-            assert_eq!(unseen_part(&view, &frame, unseen.clone()), unseen);
+            assert_eq!(unseen_part(&view, &exact(&view), &frame, unseen.clone()), unseen);
         }
         assert!(is_seen(&view, &frame, [98.0, 0.0]) && !is_seen(&view, &frame, [101.0, 0.0]));
         assert!(!is_seen(&view, &frame, [98.0, 60.0]) && !is_seen(&view, &frame, [-98.0, 0.0]));
@@ -212,7 +253,7 @@ mod tests {
         let (view, mut frame) = wall();
         let [c, r] = view.project(&Vector3::new(99.0, 0.05, 0.0)).unwrap();
         frame.labels[r as usize * 480 + c as usize] = Label::Target;
-        let rest = unseen_part(&view, &frame, hull([97.0, 100.9], 0.0));
+        let rest = unseen_part(&view, &exact(&view), &frame, hull([97.0, 100.9], 0.0));
         let nearest = rest.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min);
         assert!((97.5..=99.0).contains(&nearest), "{nearest}");
     }

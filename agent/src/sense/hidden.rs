@@ -4,9 +4,11 @@ use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
 use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::{Grid, Raster};
+use csat_proto::region::{Region, Ring};
 use nalgebra::Vector3;
 
 use super::label_at;
+use crate::region::Inner;
 
 /// H^CVS (4.23) and the ground seen (4.6), as the cells whose centres fall on Obstacle, Target or
 /// Unknown pixels, or on Ground pixels, no farther than d_max.
@@ -18,6 +20,31 @@ pub fn hidden_and_seen(view: &CameraView, frame: &Frame, grid: Grid) -> (Raster,
         Label::Obstacle | Label::Target | Label::Unknown | Label::Road => hidden.set(column, row),
     });
     (hidden, seen)
+}
+
+/// The cells of `seen` that what sweeps `silhouettes` may hide from some poses: convex rings.
+pub fn behind<'a>(silhouettes: impl Iterator<Item = &'a Ring>, seen: &Raster) -> Raster {
+    let mut cells = Raster::empty(*seen.grid());
+    for ring in silhouettes {
+        cells.fill_region(&Region::from_shapes(vec![vec![ring.clone()]]));
+    }
+    cells.intersect_with(seen);
+    cells
+}
+
+/// The cells whose centres lie in a set.
+pub fn cells_in(set: &Inner, grid: Grid) -> Raster {
+    Raster::of_region(grid, set.region())
+}
+
+/// The cells of the OEM whose centres lie in the clear ground of all poses (4.40).
+pub fn empty_cells_in(clear_ground: &Inner, grid: Grid) -> Vec<OemDelta> {
+    let cells = cells_in(clear_ground, grid);
+    let delta = |(column, row)| {
+        let cell = grid.index(column, row) as u32;
+        OemDelta { cell, state: OemCell::Empty }
+    };
+    cells.iter().map(delta).collect()
 }
 
 /// The cells of the OEM whose centres lie in the clear ground (4.40).

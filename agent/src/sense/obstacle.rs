@@ -6,14 +6,16 @@ use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
 use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::Grid;
-use csat_proto::region::{Region, Ring};
+use csat_proto::region::{Region, Ring, metres};
 use nalgebra::Vector3;
 
 use super::exclusion::{centre_of_bounds, disc_intersection};
 use super::foot;
 use super::pixel_bounds::{LANES, PixelBounder, PixelBounds, differ};
-use super::pyramid::{ground_corners, top_m};
+use super::pose_box::{Extent, PoseBox};
+use super::pyramid::{self, ground_corners, top_m};
 use crate::config::AgentConfig;
+use crate::mutant::{Mutant, is_on};
 use crate::region::Inner;
 
 /// Number of grades of the quality of a margin: a margin of grade g is an intersection of discs that
@@ -22,6 +24,21 @@ const GRADES: f64 = 8.0;
 
 /// Margins below this grade are dropped: such small discs, one per cell, do not overlap.
 const LEAST_GRADE: f64 = 4.0;
+
+/// The same where poses are not exact: then there are no better ones.
+const LEAST_GRADE_IN_BOX: f64 = 2.0;
+
+/// With inexact poses every so many rows and columns of pixels are asked for their margins: each takes the hull of
+/// a hundred points, and neighbours prove the same.
+const LATTICE: u16 = 4;
+
+fn least_grade(poses: &PoseBox) -> f64 {
+    if poses.is_exact() { LEAST_GRADE } else { LEAST_GRADE_IN_BOX }
+}
+
+fn is_on_lattice(pixel: &BoundedPixel) -> bool {
+    pixel.column % LATTICE == 0 && pixel.row % LATTICE == 0
+}
 
 /// What the Obstacle pixels of one frame prove.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -79,6 +96,11 @@ impl Pixel {
         Self { column, row, depth_m, ray: ray / ray.norm() }
     }
 
+    /// How far its points are from the camera.
+    fn extent(&self, view: &CameraView) -> Extent {
+        pyramid::extent(view, self.column, self.row, self.depth_m)
+    }
+
     /// The square of the distance, over the ground, from the camera to its far end, m².
     fn reach_squared(&self) -> f64 {
         (self.ray.x * self.ray.x + self.ray.y * self.ray.y) * self.depth_m[1].powi(2)
@@ -105,6 +127,7 @@ impl MarginSensor {
     pub fn measure(
         &mut self,
         view: &CameraView,
+        poses: &PoseBox,
         frame: &Frame,
         ground: &Region,
     ) -> ObstacleFindings {
@@ -112,17 +135,22 @@ impl MarginSensor {
         let mut raised: BTreeSet<usize> = BTreeSet::new();
         let mut walls = WallPixels::new(view, frame);
         let bounder = PixelBounder::new(view, self.radius_m, GRADES, [&self.grid, &self.oem_grid]);
+        // What every margin loses to the errors of the position.
+        let lost = (poses.least_shift_m() / self.radius_m * GRADES) as f32;
         for_each_obstacle_pixel(view, frame, &bounder, |bounded| {
             let pixel = || Pixel::at(view, frame, bounded.column, bounded.row);
-            if self.may_improve(bounded) {
-                rings.extend(self.margin_of(view, &pixel()));
+            let is_asked = poses.is_exact() || is_on_lattice(bounded);
+            if is_asked && self.may_improve(bounded, lost, least_grade(poses)) {
+                rings.extend(self.margin_of(view, poses, &pixel()));
             }
             if self.may_raise(bounded) {
                 raised.extend(self.raise_cell(view, &pixel()));
             }
             walls.visit(bounded);
         });
-        rings.extend(walls.found().filter_map(|pixel| self.margin_at_foot(view, frame, &pixel)));
+        rings.extend(
+            walls.found().filter_map(|pixel| self.margin_at_foot(view, poses, frame, &pixel)),
+        );
         let margin =
             if rings.is_empty() { Inner::default() } else { Inner::from_rings(&rings, ground) };
         let delta = |cell: usize| {
@@ -132,10 +160,12 @@ impl MarginSensor {
         ObstacleFindings { margin, occupied: raised.into_iter().map(delta).collect() }
     }
 
-    /// Whether [`Self::margin_of`] a pixel may be better than the margin of its cell.
-    fn may_improve(&self, bounded: &BoundedPixel) -> bool {
+    /// Whether [`Self::margin_of`] a pixel may be better than the margin of its cell, given that it loses at least
+    /// so many grades.
+    fn may_improve(&self, bounded: &BoundedPixel, lost: f32, least: f64) -> bool {
         let best = || usize::try_from(bounded.middle).map_or(0, |cell| self.best_grade[cell]);
-        bounded.grade >= LEAST_GRADE as f32 && bounded.grade >= f32::from(best()) + 1.0
+        let grade = bounded.grade - lost;
+        grade >= least as f32 && grade >= f32::from(best()) + 1.0
     }
 
     /// Whether [`Self::raise_cell`] may raise the cell of a pixel.
@@ -146,36 +176,62 @@ impl MarginSensor {
 
     /// S°(pixel) (4.7): the points within r_s^to of every point that may have lit the pixel. `None`
     /// when it is empty or the margin of its cell is as good.
-    fn margin_of(&mut self, view: &CameraView, pixel: &Pixel) -> Option<Ring> {
+    fn margin_of(&mut self, view: &CameraView, poses: &PoseBox, pixel: &Pixel) -> Option<Ring> {
         let Pixel { column, row, depth_m: [near, far], ray } = *pixel;
+        if !poses.is_exact() {
+            let corners = ground_corners(view, column, row, pixel.depth_m);
+            return self.margin_about(poses, poses.tilted(&corners, pixel.extent(view)));
+        }
         let half_span_m = (far - near) / 2.0 * (ray.x * ray.x + ray.y * ray.y).sqrt();
         let centre = view.centre_world() + ray * ((near + far) / 2.0);
-        self.improve([centre.x, centre.y], half_span_m)?;
+        self.improve([centre.x, centre.y], half_span_m, LEAST_GRADE)?;
         let corners = ground_corners(view, column, row, pixel.depth_m);
         disc_intersection(&corners, self.radius_m, self.vertices)
     }
 
     /// The same, for the points that are not above seen ground. On a wall whose foot is seen these
     /// are about half of the points, and few where the measured depth is too short.
-    fn margin_at_foot(&mut self, view: &CameraView, frame: &Frame, pixel: &Pixel) -> Option<Ring> {
+    fn margin_at_foot(
+        &mut self,
+        view: &CameraView,
+        poses: &PoseBox,
+        frame: &Frame,
+        pixel: &Pixel,
+    ) -> Option<Ring> {
         let [near, far] = pixel.depth_m.map(|depth_m| view.centre_world() + pixel.ray * depth_m);
         let (column, row) = self.grid.cell_of([far.x, far.y])?;
         let best = self.best_grade[self.grid.index(column, row)];
         if f64::from(best) >= GRADES - 1.0 || !foot::is_seen(view, frame, [near.x, near.y]) {
             return None;
         }
-        let corners = ground_corners(view, pixel.column, pixel.row, pixel.depth_m);
-        let corners = foot::unseen_part(view, frame, corners);
+        let mut corners = ground_corners(view, pixel.column, pixel.row, pixel.depth_m);
+        if !poses.is_exact() {
+            corners = poses.tilted(&corners, pixel.extent(view));
+            let corners = foot::unseen_part(view, poses, frame, corners);
+            return self.margin_about(poses, corners);
+        }
+        let corners = foot::unseen_part(view, poses, frame, corners);
         let (centre, half_span_m) = span(&corners)?;
-        self.improve(centre, half_span_m)?;
+        self.improve(centre, half_span_m, LEAST_GRADE)?;
         disc_intersection(&corners, self.radius_m, self.vertices)
     }
 
+    /// The points within r_s^to of `corners`, wherever the yaws and positions of the box move them.
+    fn margin_about(&mut self, poses: &PoseBox, corners: Vec<[f64; 2]>) -> Option<Ring> {
+        let places: Vec<[f64; 2]> = match is_on(Mutant::MarginFromOnePose) {
+            true => corners,
+            false => poses.moved(corners).into_iter().map(metres).collect(),
+        };
+        let (centre, half_span_m) = span(&places)?;
+        self.improve(centre, half_span_m, LEAST_GRADE_IN_BOX)?;
+        disc_intersection(&places, self.radius_m, self.vertices)
+    }
+
     /// Notes an intersection of discs about points at most `half_span_m` from `centre`, if its grade
-    /// is the best in its cell and not too low.
-    fn improve(&mut self, centre: [f64; 2], half_span_m: f64) -> Option<()> {
+    /// is the best in its cell and at least `least`.
+    fn improve(&mut self, centre: [f64; 2], half_span_m: f64, least: f64) -> Option<()> {
         let grade = (1.0 - half_span_m / self.radius_m) * GRADES;
-        if grade < LEAST_GRADE {
+        if grade < least {
             return None;
         }
         let (column, row) = self.grid.cell_of(centre)?;

@@ -3,6 +3,8 @@
 use csat_proto::camera::{Assumption, CameraView};
 use nalgebra::Vector3;
 
+use super::pose_box::Extent;
+
 /// The ground projections (`world`, metres) of the vertices of the truncated pyramid that contains
 /// every point consistent with pixel (`row`, `column`) and the distance interval `depth_m`
 /// (A.2, A.3): the near face at the least distance, the far one pushed out by 1/cos θ so that the
@@ -16,6 +18,15 @@ pub fn ground_corners(
     depth_m: [f64; 2],
 ) -> Vec<[f64; 2]> {
     corners(view, column, row, depth_m).map(|p| [p.x, p.y]).collect()
+}
+
+/// How far the corners of the same pyramid are from the camera, at most.
+pub(super) fn extent(view: &CameraView, column: u16, row: u16, depth_m: [f64; 2]) -> Extent {
+    let centre = view.centre_world();
+    corners(view, column, row, depth_m).fold(Extent::default(), |extent, p| Extent {
+        reach_m: extent.reach_m.max((p - centre).norm()),
+        drop_m: extent.drop_m.max((p.z - centre.z).abs()),
+    })
 }
 
 /// The greatest height of the same pyramid above the ground, metres.

@@ -2,10 +2,13 @@
 
 use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label, PixelBox};
-use csat_proto::region::{GridPoint, Region, Ring, grid_point};
+use csat_proto::region::{Region, Ring, grid_point, metres};
 
-use super::pyramid::ground_corners;
-use crate::region::{Disc, Outer, turn};
+use super::hull::convex_hull;
+use super::pose_box::{Extent, PoseBox};
+use super::pyramid::{self, ground_corners};
+use crate::mutant::{Mutant, is_on};
+use crate::region::{Disc, Outer};
 
 /// The most pixels of a row that share one hull.
 const MAX_RUN: usize = 16;
@@ -14,7 +17,7 @@ const MAX_HULLS: usize = 160;
 /// The most tiles of the box, along either side, for more runs.
 const MAX_TILES: usize = 8;
 
-/// X^{t,m} (4.4), outer: the ground projections of the pyramids of all Target pixels in the box,
+/// X^{t,m} (4.4), outer, from all poses of the box (6.9): the ground projections of the pyramids of all Target pixels in the box,
 /// dilated by r^t (`cylinder`), in X_g.
 ///
 /// By (3.53) at least one of these pixels shows the target; which one is unknown. Neighbouring pixels
@@ -22,21 +25,19 @@ const MAX_TILES: usize = 8;
 /// overlap, and the time of their union is quadratic in their number. So a target with more than
 /// `MAX_HULLS` runs, which is seen from nearby, is covered by the hulls of the tiles of its box.
 pub fn location(
-    view: &CameraView,
-    frame: &Frame,
-    pixels: PixelBox,
+    pixels: &TargetPixels<'_>,
+    poses: &PoseBox,
     cylinder: &Disc,
     ground: &Region,
 ) -> Outer {
-    let pixels = TargetPixels::new(view, frame, pixels);
     let runs = pixels.runs();
     let windows = if runs.len() <= MAX_HULLS { runs } else { pixels.tiles() };
-    let hulls: Vec<Ring> = windows.iter().filter_map(|window| pixels.hull(window)).collect();
+    let hulls: Vec<Ring> = windows.iter().filter_map(|window| pixels.hull(window, poses)).collect();
     Outer::around(&hulls, cylinder, ground)
 }
 
 /// The Target pixels in a detection's box.
-struct TargetPixels<'a> {
+pub struct TargetPixels<'a> {
     view: &'a CameraView,
     frame: &'a Frame,
     /// The part of the box that is in the image; empty where a first index is greater than the last.
@@ -44,7 +45,8 @@ struct TargetPixels<'a> {
 }
 
 impl<'a> TargetPixels<'a> {
-    fn new(view: &'a CameraView, frame: &'a Frame, pixels: PixelBox) -> Self {
+    /// Those of `frame`, seen by `view`, in the box `pixels`.
+    pub fn new(view: &'a CameraView, frame: &'a Frame, pixels: PixelBox) -> Self {
         let model = view.model();
         let clipped =
             |[first, last]: [u16; 2], length: u16| [first, last.min(length.saturating_sub(1))];
@@ -97,62 +99,32 @@ impl<'a> TargetPixels<'a> {
         .collect()
     }
 
-    /// The convex hull of the ground projections of the pyramids of the Target pixels in a window.
-    fn hull(&self, window: &PixelBox) -> Option<Ring> {
+    /// The Target pixels in a window.
+    fn of(&self, window: &PixelBox) -> impl Iterator<Item = (u16, u16)> {
         let [columns, rows] = [window.columns, window.rows].map(|[first, last]| first..=last);
-        let targets = rows.flat_map(|row| columns.clone().map(move |column| (column, row)));
-        let corners = targets.filter(|&(column, row)| self.is_target(column, row)).flat_map(
-            |(column, row)| {
-                let depth_m =
-                    self.view.model().depth_interval_m(self.frame.depth[self.index(column, row)]);
-                ground_corners(self.view, column, row, depth_m)
-            },
-        );
-        convex_hull(corners.map(grid_point).collect())
+        let all = rows.flat_map(move |row| columns.clone().map(move |column| (column, row)));
+        all.filter(|&(column, row)| self.is_target(column, row))
     }
-}
 
-/// The convex hull (counter-clockwise) of points, by Andrew's monotone chain; `None` without points.
-/// Collinear points give a ring without area, which a dilation turns into a set. A single point
-/// becomes a segment of one grid unit, so that it has an edge to dilate.
-fn convex_hull(mut points: Vec<GridPoint>) -> Option<Ring> {
-    points.sort_unstable_by_key(|p| (p.x, p.y));
-    points.dedup();
-    if let [p] = points[..] {
-        return Some(vec![p, GridPoint::new(p.x + 1, p.y)]);
+    /// The interval of the distance of a pixel, metres.
+    fn depth_m(&self, column: u16, row: u16) -> [f64; 2] {
+        self.view.model().depth_interval_m(self.frame.depth[self.index(column, row)])
     }
-    if points.is_empty() {
-        return None;
-    }
-    let mut hull: Ring = Vec::with_capacity(16);
-    let mut chain = |points: &mut dyn Iterator<Item = GridPoint>| {
-        let start = hull.len();
-        for p in points {
-            while hull.len() >= start + 2
-                && turn(hull[hull.len() - 2], hull[hull.len() - 1], p) <= 0
-            {
-                hull.pop();
-            }
-            hull.push(p);
+
+    /// A convex set that contains the ground projections of the pyramids of the Target pixels in a window, from all
+    /// poses of the box: their convex hull if it is one pose.
+    fn hull(&self, window: &PixelBox, poses: &PoseBox) -> Option<Ring> {
+        let corners = self.of(window).flat_map(|(column, row)| {
+            ground_corners(self.view, column, row, self.depth_m(column, row))
+        });
+        let hull = convex_hull(corners.map(grid_point).collect())?;
+        if poses.is_exact() || is_on(Mutant::TargetFromOnePose) {
+            return Some(hull);
         }
-        hull.pop();
-    };
-    chain(&mut points.iter().copied());
-    chain(&mut points.iter().rev().copied());
-    Some(hull)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn hulls_of_points_segments_and_squares() {
-        let p = GridPoint::new;
-        assert_eq!(convex_hull(vec![]), None);
-        assert_eq!(convex_hull(vec![p(1, 1), p(1, 1)]), Some(vec![p(1, 1), p(2, 1)]));
-        assert_eq!(convex_hull(vec![p(0, 0), p(2, 2), p(1, 1)]), Some(vec![p(0, 0), p(2, 2)]));
-        let square = convex_hull(vec![p(0, 0), p(2, 2), p(1, 1), p(2, 0), p(0, 2), p(1, 0)]);
-        assert_eq!(square, Some(vec![p(0, 0), p(2, 0), p(2, 2), p(0, 2)]));
+        let extents =
+            self.of(window).map(|(c, r)| pyramid::extent(self.view, c, r, self.depth_m(c, r)));
+        let extent = extents.fold(Extent::default(), Extent::or);
+        let hull: Vec<[f64; 2]> = hull.into_iter().map(metres).collect();
+        Some(poses.moved(poses.tilted(&hull, extent)))
     }
 }

@@ -15,6 +15,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::missions;
+use super::set_membership::Tables;
 
 /// A mission, in full.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -108,6 +109,7 @@ impl Scenario {
     /// whatever the seed and the length.
     pub fn is_thesis_setting(&self) -> bool {
         let mut thesis = Self { name: self.name.clone(), seed: self.seed, ..Self::default() };
+        thesis.own = missions::find(SET_MEMBERSHIP).map(|own| own.tables()).unwrap_or_default();
         thesis.run.duration_s = self.run.duration_s;
         thesis.netem.trace = self.netem.trace;
         *self == thesis
@@ -142,6 +144,7 @@ impl Scenario {
             fleet: self.agents.clone(),
             stations: self.agent_count() - self.agents.count,
             camera: self.camera,
+            pose_error: self.own::<Tables>().pose.half_widths(),
             estimator: self.estimator,
             guidance: self.guidance.clone(),
             exchange: self.exchange.clone(),
@@ -161,6 +164,7 @@ impl Scenario {
             camera: self.camera,
             navigation: None,
             odometry: None,
+            observer: None,
             segmentation: None,
             period_s: self.run.period_s,
         };

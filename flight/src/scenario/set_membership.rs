@@ -1,11 +1,21 @@
 //! The set-membership mission as an entry of the list.
 
-use std::collections::BTreeMap;
+use csat_world::observer::ObserverModel;
+use csat_world::world::WorldConfig;
+use serde::{Deserialize, Serialize};
 
 use super::missions::Offered;
 use super::model::Scenario;
 use super::validate::{self, Issue};
 use crate::set_membership::SetMembership;
+
+/// The tables that only this mission knows, but for those that are fields of every scenario.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Tables {
+    /// `[pose]`.
+    pub pose: ObserverModel,
+}
 
 impl SetMembership {
     /// The mission that `scenario` describes.
@@ -15,8 +25,7 @@ impl SetMembership {
 }
 
 impl Offered for SetMembership {
-    /// Its tables are fields of every scenario.
-    type Tables = BTreeMap<String, ()>;
+    type Tables = Tables;
 
     fn of(scenario: &Scenario) -> Self {
         Self::new(scenario)
@@ -24,5 +33,9 @@ impl Offered for SetMembership {
 
     fn judge_scenario(scenario: &Scenario) -> Vec<Issue> {
         validate::of_set_membership(scenario)
+    }
+
+    fn equip(scenario: &Scenario, world: &mut WorldConfig) {
+        world.observer = Some(scenario.own::<Tables>().pose);
     }
 }

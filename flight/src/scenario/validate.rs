@@ -8,6 +8,7 @@ pub mod clearing;
 mod cost;
 mod exchange;
 mod fleet;
+mod pose;
 mod targets;
 
 use std::ops::RangeInclusive;
@@ -21,6 +22,7 @@ use super::issue::owned;
 use super::missions;
 use super::mistake::Mistake;
 use super::model::{RunConfig, Scenario};
+use super::set_membership::Tables;
 use csat_mission::documents::micro;
 
 /// The most sequences of increments that `str1` to `str3` try in a decision.
@@ -107,6 +109,9 @@ pub fn of_set_membership(scenario: &Scenario) -> Vec<Issue> {
     estimator(&mut check, &scenario.estimator, scenario.map.size_m);
     guidance(&mut check, &scenario.guidance, period_s);
     let is_clean = before.0.is_empty() && check.0.is_empty();
+    if before.0.iter().all(|issue| issue.is_warning) {
+        pose::judge(&mut check, scenario, &scenario.own::<Tables>().pose);
+    }
     if is_clean && scenario.agents.avoid_buildings {
         room_to_turn(&mut check, scenario);
     }

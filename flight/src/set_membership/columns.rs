@@ -63,6 +63,12 @@ pub const COLUMNS: &[Column] = &[
         )
         .over("agent, mean over the other UAVs")
         .of_stations(),
+    Column::of_agent("pose_error_m", "error of the position", "m")
+        .defined(
+            "greater half-width of the box of its position over the ground; nothing where poses are exact",
+            "thesis (6.1)-(6.3)",
+        )
+        .in_summary(),
     Column::of_agent("vertices", "vertices of sets", "corners")
         .defined("of all its sets together", "")
         .count(),

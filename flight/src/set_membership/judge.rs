@@ -75,6 +75,7 @@ mod tests {
             hidden_pct: 0.0,
             oem_iou_pct: None,
             news_age_s: None,
+            pose_error_m: None,
             tally: csat_mission::mission::Tally::default(),
             maps: None,
         };

@@ -1,7 +1,7 @@
 //! What an agent of the set-membership mission tells its observers.
 
 use csat_agent::agent::SetMembershipAgent;
-use csat_proto::camera::Pose;
+use csat_proto::camera::{Pose, PoseError};
 use csat_proto::ids::TargetId;
 use csat_proto::model::Ground;
 use csat_proto::oem::{OemCell, OemPatch};
@@ -38,6 +38,8 @@ pub struct Report {
     pub oem_iou_pct: Option<f64>,
     /// How old its news of the other UAVs are, mean over them, seconds; `None` where there are none.
     pub news_age_s: Option<f64>,
+    /// The greater half-width of the box of its position over the ground, metres; `None` where it is exact.
+    pub pose_error_m: Option<f64>,
     /// What it did not believe and did not say.
     pub tally: Tally,
     /// Its maps, where [`Detail::Full`] was asked for.
@@ -85,6 +87,7 @@ impl Report {
             hidden_pct: percent_of(&ground, hidden_m2),
             oem_iou_pct: measured.and_then(|m| oem_iou_pct(&m.hidden, &expected)),
             news_age_s: agent.news_age_s(),
+            pose_error_m: pose_error_m(agent.pose_error()),
             tally: Tally { rejected: rejected.collect(), withheld: agent.withheld() },
             maps: (detail == Detail::Full).then(maps),
         }
@@ -102,6 +105,11 @@ impl Report {
         let sets = sets.chain([&self.unexplored, &self.obstacle_margin]);
         sets.map(|set| set.vertex_count() as u32).sum()
     }
+}
+
+fn pose_error_m(error: &PoseError) -> Option<f64> {
+    let [x, y, _] = error.p_world;
+    (!error.is_none()).then_some(x.max(y))
 }
 
 impl mission::Report for Report {

@@ -160,7 +160,7 @@ impl<M: Mission> Shell<M> {
     /// Hands the agent its frame or, without sensor, the step.
     fn look(&mut self, frame: &RawFrame) -> Result<(), AgentError> {
         let RawFrame { header, pixels } = frame;
-        let &FrameHeader { step, time, pose, .. } = header;
+        let &FrameHeader { step, time, pose, pose_error, .. } = header;
         match &self.sensor {
             None => {
                 header.check_blind(self.period_s, pixels.len())?;
@@ -171,12 +171,13 @@ impl<M: Mission> Shell<M> {
                     .map_err(|source| AgentError::Frame { step, source })?;
                 header.check(camera, self.period_s, &labels)?;
                 let (detections, sighting) = (header.detections.clone(), None);
-                let frame = Frame { step, pose, labels, depth, detections, sighting };
+                let frame = Frame { step, pose, pose_error, labels, depth, detections, sighting };
                 self.node.look(time, || frame);
             }
             Some(SensorModel::Detector(camera, _)) => {
                 header.check_detector(camera, self.period_s, pixels.len())?;
-                self.node.look(time, || Frame::of_detector(step, pose, header.sighting));
+                let frame = Frame::of_detector(step, pose, header.sighting);
+                self.node.look(time, || Frame { pose_error, ..frame });
             }
         }
         Ok(())

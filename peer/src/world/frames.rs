@@ -3,6 +3,7 @@
 use csat_mission::fleet::Brief;
 use csat_mission::mission::Mission;
 use csat_mission::stages;
+use csat_proto::camera::PoseEstimate;
 use csat_proto::control::{FrameHeader, SaidSoFar};
 use csat_proto::ids::AgentId;
 use rayon::prelude::*;
@@ -48,7 +49,7 @@ impl<M: Mission> RemoteFleet<M> {
 /// The header of an agent's frame without detections and sighting.
 fn header(brief: &Brief, world: u64, agent: AgentId, said: &[SaidSoFar]) -> FrameHeader {
     let index = usize::from(agent.0);
-    let (pose, truth) = (brief.reported[index], brief.poses[index]);
+    let (PoseEstimate { pose, error }, truth) = (brief.reported[index], brief.poses[index]);
     let is_exact = pose == truth;
     FrameHeader {
         world,
@@ -56,6 +57,7 @@ fn header(brief: &Brief, world: u64, agent: AgentId, said: &[SaidSoFar]) -> Fram
         time: brief.now,
         next: brief.next,
         pose,
+        pose_error: error,
         p_world: (!is_exact).then_some(truth.p_world),
         yaw_rad: (!is_exact).then_some(truth.yaw_rad),
         incarnation: brief.lives[index],

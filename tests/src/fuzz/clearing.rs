@@ -110,7 +110,7 @@ impl Fleet {
             (0..size).flat_map(|row| (0..size).map(move |column| label(row, column))).collect();
         let pose = Pose::level([x, y, config.fleet.altitude_m], -FRAC_PI_2);
         let (depth, detections) = Default::default();
-        Frame { step: Step(self.step), pose, labels, depth, detections, sighting: None }
+        Frame { labels, depth, detections, ..Frame::of_detector(Step(self.step), pose, None) }
     }
 
     fn reception(&self, from: usize, to: usize, channel: ChannelId, bytes: &[u8]) -> Reception {

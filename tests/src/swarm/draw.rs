@@ -8,6 +8,7 @@ use csat_netem::config::{
     RateConfig,
 };
 use csat_proto::model::{Driving, Station};
+use csat_world::observer::{Denied, ObserverModel};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -56,6 +57,9 @@ impl Draw {
         if rng.random_bool(0.5) {
             scenario.targets.driving = Driving::Evasive;
         }
+        if rng.random_bool(0.35) && !scenario.agents.avoid_buildings {
+            poses(&mut scenario, &mut rng);
+        }
         // Sometimes sets exceed their limit of vertices.
         if rng.random_bool(0.2) {
             scenario.estimator.max_vertices = rng.random_range(50..120);
@@ -77,6 +81,7 @@ impl Draw {
             skewed: self.handicaps.iter().any(|h| h.ahead != self.handicaps[0].ahead).into(),
             evasive: (self.scenario.targets.driving == Driving::Evasive).into(),
             stationed: (!self.scenario.stations.is_empty()).into(),
+            uncertain: self.scenario.own.contains_key("pose").into(),
             walled: self.scenario.agents.avoid_buildings.into(),
             ..Exercise::default()
         }
@@ -104,6 +109,22 @@ impl Draw {
         exchange.mode == ExchangeMode::Snapshot
             || exchange.snapshot_period_s <= f64::from(self.settle_steps) * run.period_s
     }
+}
+
+/// Poses are known to boxes: with errors of some components, rare fixes, and zones without.
+fn poses(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
+    let error = [2.0, 2.0, 0.5, 0.5, 0.5, 3.0]
+        .map(|most| if rng.random_bool(0.6) { rng.random_range(0.0..most) } else { 0.0 });
+    let zone = Denied { min_m: [-200.0; 2], max_m: [20.0, 200.0], from_s: 1.0, until_s: 9.0 };
+    let pose = ObserverModel {
+        error,
+        time_constant_s: rng.random_range(0.5..20.0),
+        fix_period_s: if rng.random_bool(0.5) { rng.random_range(0.0..8.0) } else { 0.0 },
+        drift: rng.random_range(0.0..0.3),
+        denied: if rng.random_bool(0.3) { vec![zone] } else { Vec::new() },
+    };
+    let table = toml::Value::try_from(pose).expect("a model is TOML");
+    scenario.own.insert("pose".to_owned(), table);
 }
 
 /// To keep clear of buildings a UAV must decide in time. Processes that crash or miss frames make no

@@ -70,6 +70,8 @@ pub struct Exercise {
     pub evasive: u64,
     /// Missions with ground stations.
     pub stationed: u64,
+    /// Missions with poses that are known to boxes.
+    pub uncertain: u64,
     /// Missions among buildings higher than the flights.
     pub walled: u64,
 }
@@ -94,6 +96,7 @@ impl Exercise {
             skewed: self.skewed + other.skewed,
             evasive: self.evasive + other.evasive,
             stationed: self.stationed + other.stationed,
+            uncertain: self.uncertain + other.uncertain,
             walled: self.walled + other.walled,
         }
     }

@@ -137,7 +137,7 @@ impl Renderer {
             _ => None,
         };
         let detections = detect::detections(&self.model, &labels, target_of, stream);
-        Frame { step, pose: *pose, labels, depth, detections, sighting: None }
+        Frame { labels, depth, detections, ..Frame::of_detector(step, *pose, None) }
     }
 
     /// Makes every pixel Unknown.

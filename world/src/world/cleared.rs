@@ -86,7 +86,7 @@ mod tests {
                 world.advance();
             }
             let poses = world.poses();
-            let [reported, other] = [world.reported_poses()[0], world.reported_poses()[1]];
+            let [reported, other] = [0, 1].map(|index| world.reported_poses()[index].pose);
             assert!((poses[0].p_world[0] - x - 10.0).abs() < 80.0 * 0.02);
             let error = reported.p_world[0] - (poses[0].p_world[0] - x);
             assert!(error.abs() <= 0.05 + 0.001 * 80.0 * 0.16, "{error}");

@@ -64,7 +64,7 @@ impl Vehicle {
         let pose = Pose::level([odometry[0], odometry[1], 70.0], std::f64::consts::FRAC_PI_2);
         let labels = self.labels(truth);
         let (depth, detections) = Default::default();
-        Frame { step, pose, labels, depth, detections, sighting: None }
+        Frame { labels, depth, detections, ..Frame::of_detector(step, pose, None) }
     }
 
     fn labels(&mut self, truth: &Truth) -> Vec<Label> {

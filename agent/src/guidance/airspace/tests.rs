@@ -35,7 +35,7 @@ fn frame(pose: Pose, step: u32, is_seen: impl Fn([f64; 2]) -> bool) -> (CameraVi
     let pixels = (0..model.rows).flat_map(|row| (0..model.columns).map(move |c| (row, c)));
     let labels = pixels.map(|(row, column)| label(row, column)).collect();
     let (depth, detections) = (vec![0; model.pixels()], Vec::new());
-    (view, Frame { step: Step(step), pose, labels, depth, detections, sighting: None })
+    (view, Frame { labels, depth, detections, ..Frame::of_detector(Step(step), pose, None) })
 }
 
 fn is_free(airspace: &Airspace, p: [f64; 2]) -> bool {

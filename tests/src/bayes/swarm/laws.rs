@@ -9,6 +9,7 @@ use csat_bayes::likelihood::{Likelihood, Sensor};
 use csat_bayes::search_map::CELL_M;
 use csat_mission::engine::{LifeEvent, StepTrace};
 use csat_mission::node::Node;
+use csat_proto::camera::Pose;
 use csat_proto::ids::AgentId;
 use csat_proto::model::Driving;
 use csat_proto::raster::Grid;
@@ -86,7 +87,9 @@ impl<'a> Laws<'a> {
                 self.exercise.missed += 1;
                 continue;
             }
-            let pose = reported.get(usize::from(id.0)).copied().unwrap_or_default();
+            let pose = reported
+                .get(usize::from(id.0))
+                .map_or_else(Pose::default, |estimate| estimate.pose);
             let incarnation = node.incarnation();
             let is_seen =
                 self.ledger.state(id, incarnation, &node.agent.inner, trace.step, &pose)?;

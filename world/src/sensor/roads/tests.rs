@@ -160,7 +160,7 @@ fn a_frame_has_labels_and_nothing_else() {
     let mut sensor = Sensor::new(SensorModel::Roads(camera(), RoadSensor::default()));
     let sight = Sight { step: Step(2), seed: 7, scene: &scene, targets: &[], roads: Some(&roads) };
     let reported = Pose { p_world: [1.0, 2.0, 70.0], ..pose([0.0; 2]) };
-    let frame = sensor.frame(&sight, AgentId(2), &pose([0.0; 2]), &reported);
+    let frame = sensor.frame(&sight, AgentId(2), &pose([0.0; 2]), &reported.into());
     let expected =
         labels(&camera(), &RoadSensor::default(), &pose([0.0; 2]), Some(&roads), stream(2));
     assert_eq!((frame.pose, frame.labels), (reported, expected));
