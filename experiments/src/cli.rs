@@ -228,8 +228,8 @@ pub struct CompareArguments {
 pub struct ReproduceArguments {
     /// Which results
     pub what: Published,
-    /// The seeds of the missions, or in chapter4 of the depth noise [default: 1..10, chapter4: 1..100,
-    /// tisdale: 1..20]
+    /// The seeds of the missions, or in chapter4 and chapter6 of the depth noise [default: 1..10, chapter4:
+    /// 1..100, chapter6: 1..100, tisdale: 1..20]
     #[arg(long, value_name = "SEEDS")]
     pub seeds: Option<String>,
     /// Shorter missions, seconds; their means are over the second half all the same
@@ -238,7 +238,7 @@ pub struct ReproduceArguments {
     /// Change one value besides what is reproduced, such as camera.columns=240; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub sets: Vec<String>,
-    /// Missions at a time, each on one thread; in chapter4, threads [default: one per core]
+    /// Missions at a time, each on one thread; in chapter4 and chapter6, threads [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs: Option<u16>,
     /// Go on with the same reproduction: what is flown stays
@@ -261,6 +261,8 @@ pub enum Published {
     Table1,
     /// Thesis §4.7 and A.1.4: one look of one UAV at five cars (2 minutes of one core)
     Chapter4,
+    /// Thesis §6.6 and A.4: one look at five cars from a pose that is only known to a box (1 minute of one core)
+    Chapter6,
     /// Tisdale et al. 2008: table II, figures 2 to 7; twenty flights, each filtered by four representations (6 minutes
     /// of one core)
     Tisdale,

@@ -130,6 +130,15 @@ fn chapter4_needs_no_missions() {
 }
 
 #[test]
+fn chapter6_makes_its_tables() {
+    let base = scratch();
+    let few = ["chapter6", "--seeds", "1..2", "--jobs", "1", "--out", "out"];
+    let said = done(base.path(), &few);
+    assert!(said.contains("thesis §6.6.3") && said.contains("82.20"), "{said}");
+    stands_alone(&read(&base.path().join("out/report.html")));
+}
+
+#[test]
 fn clearing_makes_its_tables_and_figures_and_resumes() {
     let base = scratch();
     let small = [
@@ -199,6 +208,7 @@ fn bad_input_runs_nothing() {
         (&["clearing", "--set", "seed=2"], "the seeds are those of --seeds"),
         (&["chapter4", "--duration", "5"], "chapter4 has no missions"),
         (&["chapter4", "--set", "camera.columns=0"], "camera.columns"),
+        (&["chapter6", "--duration", "5"], "chapter6 has no missions"),
     ] {
         let output = reproduce(base.path(), arguments);
         let said = text(&output.stderr);

@@ -156,11 +156,36 @@ pub struct Covered {
     pub up_to_distance_m: f64,
 }
 
-/// Thesis chapter 6, as far as it speaks of the exact pose.
+/// Thesis chapter 6: the same look from poses that are known to a box.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct Chapter6 {
+    /// (6.64).
+    pub footprint_guaranteed_pct: Shares,
+    /// Half-widths: x, y, z, metres; roll, pitch, yaw, degrees.
+    pub u1: [f64; 6],
+    /// The same.
+    pub u2: [f64; 6],
+    /// The same.
+    pub u3: [f64; 6],
+    /// The same.
+    pub u4: [f64; 6],
     /// The car at x = 60 m.
     pub target_60m_radius_m: Radius,
+    /// What a set of that car takes under u4.
+    pub one_target_s: OneTarget,
+}
+
+/// Per cent, by box of poses.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct Shares {
+    /// Of u1.
+    pub u1: f64,
+    /// Of u2.
+    pub u2: f64,
+    /// Of u3.
+    pub u3: f64,
+    /// Of u4.
+    pub u4: f64,
 }
 
 /// Radius of the disc of equal area, metres.
@@ -168,6 +193,17 @@ pub struct Chapter6 {
 pub struct Radius {
     /// With the exact pose.
     pub exact: f64,
+    /// Under u1.
+    pub u1: Published,
+}
+
+/// Seconds in MATLAB.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct OneTarget {
+    /// A box about the inverse image.
+    pub inverse_only: f64,
+    /// Thick SIVIA.
+    pub thick_sivia: Published,
 }
 
 /// All published numbers.

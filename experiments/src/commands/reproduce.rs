@@ -6,13 +6,14 @@ use std::sync::atomic::Ordering;
 use crate::cli::{Published, ReproduceArguments};
 use crate::progress;
 use crate::reproduce::chapter4::Chapter4;
+use crate::reproduce::chapter6::Chapter6;
 use crate::reproduce::plan::{self, Plan};
 use crate::reproduce::setting::Deviations;
 use crate::reproduce::table::Table;
 use crate::reproduce::tisdale::{self, Tisdale};
 use crate::reproduce::{chapter5, clearing, flown, page, table1};
 use crate::run_folder::{Destination, FolderError, PartialFile, RunFolder};
-use crate::scenario::{self, Loaded, Mistake};
+use crate::scenario::{self, Loaded, Mistake, Scenario};
 use crate::sweep::folder::{SweepFolder, default_root};
 use crate::sweep::manifest::{Manifest, quoted};
 use crate::sweep::results::Results;
@@ -33,7 +34,7 @@ const TABLES_JSON: &str = "tables.json";
 /// How many flights are filtered for Tisdale et al.; what is published is of one.
 const FLIGHTS: usize = 20;
 
-/// How many looks chapter 4 takes of each setting; what is published is of as many or of one.
+/// How many looks chapters 4 and 6 take of each setting; what is published is of as many, of ten or of one.
 const LOOKS: usize = 100;
 
 /// `csat reproduce`.
@@ -41,7 +42,14 @@ pub fn reproduce(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
     judge(match arguments.what {
         Published::Chapter5 => fly(arguments, &plan::CHAPTER5),
         Published::Table1 => fly(arguments, &plan::TABLE1),
-        Published::Chapter4 => look(arguments),
+        Published::Chapter4 => look(arguments, "chapter4", |scenario, seeds| {
+            let seen = Chapter4::look(scenario, seeds);
+            (seen.tables(), Box::new(move |tables, again| seen.html(tables, again)))
+        }),
+        Published::Chapter6 => look(arguments, "chapter6", |scenario, seeds| {
+            let seen = Chapter6::look(scenario, seeds);
+            (seen.tables(), Box::new(move |tables, again| seen.html(tables, again)))
+        }),
         Published::Tisdale => search(arguments),
         Published::Clearing => fly(arguments, &plan::CLEARING),
     })
@@ -157,11 +165,18 @@ fn tell(
     say(&format!("{}\n{complaints}\n{}\n", text(tables), root.join(REPORT).display()))
 }
 
-/// Chapter 4: no missions.
-fn look(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
+/// The tables of looks, and what makes a page of them and of the command that makes it again.
+type Looked = (Vec<Table>, Box<dyn Fn(&[Table], &str) -> String + Send>);
+
+/// Chapters 4 and 6: no missions.
+fn look(
+    arguments: &ReproduceArguments,
+    name: &str,
+    take: impl Fn(&Scenario, &[u64]) -> Looked + Sync,
+) -> anyhow::Result<u8> {
     let refused = |text: &str| SweepError::Refused(format!("error: {text}"));
     if arguments.duration.is_some() {
-        return Err(refused("--duration: chapter4 has no missions, it looks once").into());
+        return Err(refused(&format!("--duration: {name} has no missions, it looks once")).into());
     }
     let seeds = seeds(arguments, &format!("1..{LOOKS}"))?;
     let sets = sets(arguments);
@@ -172,12 +187,11 @@ fn look(arguments: &ReproduceArguments) -> anyhow::Result<u8> {
         scenario::load(request).map_err(SweepError::Mistakes)?;
     let warnings: Vec<String> = warnings.iter().map(|w| w.render("warning")).collect();
     warn(&warnings, "from `csat check` with the same values");
-    let place = Place::take(root(arguments, "chapter4")?, arguments.resume)?;
+    let place = Place::take(root(arguments, name)?, arguments.resume)?;
     let pool = pool(arguments)?;
-    let seen = pool.install(|| Chapter4::look(&scenario, &seeds));
-    let mut tables = seen.tables();
+    let (mut tables, html) = pool.install(|| take(&scenario, &seeds));
     tables.iter_mut().for_each(|table| table.not_published = deviations.banner());
-    let page = seen.html(&tables, &again(arguments, "chapter4", &sets));
+    let page = html(&tables, &again(arguments, name, &sets));
     write(arguments, place, &tables, page, &format!("{} looks per setting", seeds.len()))
 }
 
@@ -228,7 +242,7 @@ fn write(
     Ok(DONE)
 }
 
-/// Where the files of chapter 4 and of Tisdale et al. go.
+/// Where the files of chapters 4 and 6 and of Tisdale et al. go.
 enum Place {
     /// A folder that is new or empty.
     New(RunFolder),

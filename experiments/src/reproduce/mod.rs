@@ -1,7 +1,8 @@
 //! `csat reproduce`: the published tables and figures, ours beside theirs.
 //!
 //! Thesis chapter 5 and the paper's table I are [sweeps](crate::sweep) with a fixed plan and a report
-//! of their own, and so is Gagliardi et al. Thesis chapter 4 is no mission: one camera, one frame, many depth noises.
+//! of their own, and so is Gagliardi et al. Thesis chapters 4 and 6 are no missions: one camera, one frame, many depth
+//! noises.
 //! Tisdale et al. is one flight for many filters.
 //!
 //! | module | what it does |
@@ -12,11 +13,12 @@
 //! | [`setting`] | whether it is what was published |
 //! | [`table`] | ours beside theirs |
 //! | [`map`] | pictures of the ground |
-//! | [`chapter5`], [`table1`], [`chapter4`], [`tisdale`], [`clearing`] | the tables and figures of each |
+//! | [`chapter5`], [`table1`], [`chapter4`], [`chapter6`], [`tisdale`], [`clearing`] | the tables and figures of each |
 //! | [`page`] | `report.html` |
 
 pub mod chapter4;
 pub mod chapter5;
+pub mod chapter6;
 pub mod clearing;
 pub mod flown;
 pub mod map;

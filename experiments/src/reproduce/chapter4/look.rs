@@ -69,9 +69,10 @@ impl Looks {
 }
 
 fn look(setting: &Setting, renderer: &mut Renderer, seed: u64) -> [Option<Seen>; CARS_M.len()] {
-    let Setting { config, heading_rad, .. } = setting;
+    let Setting { config, heading_rad, pose_error, .. } = setting;
     let scene = scene::cars(&config.targets, *heading_rad);
     let frame = renderer.frame(&scene, &scene::pose(), Step(0), seed, AgentId(0));
+    let frame = Frame { pose_error: *pose_error, ..frame };
     let measured = Sensor::new(config).measure(&frame);
     let mut cars = [None; CARS_M.len()];
     for (target, detection) in measured.targets.iter().zip(&frame.detections) {

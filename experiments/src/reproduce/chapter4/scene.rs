@@ -60,7 +60,8 @@ pub fn oem_iou_pct(mission: &SetMembership, seed: u64) -> Option<f64> {
     mission.report(&mut agent, &Pose::default(), Detail::Brief).oem_iou_pct
 }
 
-fn buildings() -> Scene {
+/// The buildings.
+pub fn buildings() -> Scene {
     let building = |(index, [west, south, east, north, height_m]): (u32, [f64; 5])| {
         let ring = vec![[west, south], [east, south], [east, north], [west, north]];
         Prism { entity: Entity::Obstacle(index), rings: vec![ring], height_m }

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use csat_agent::config::AgentConfig;
-use csat_proto::camera::Assumption;
+use csat_proto::camera::{Assumption, PoseError};
 
 /// How one look is taken.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +14,8 @@ pub struct Setting {
     pub config: AgentConfig,
     /// Where the cars point; the line of sight is 0, radians.
     pub heading_rad: f64,
+    /// How well the pose is known.
+    pub pose_error: PoseError,
 }
 
 /// The settings of one figure.
@@ -34,6 +36,7 @@ pub fn headings(plain: &AgentConfig) -> Family {
         name: name.to_owned(),
         config: plain.clone(),
         heading_rad,
+        pose_error: PoseError::NONE,
     };
     Family {
         title: "Heading of the cars",
@@ -47,7 +50,7 @@ pub fn families(plain: &AgentConfig) -> Vec<Family> {
     let with = |name: String, change: &dyn Fn(&mut AgentConfig)| {
         let mut config = plain.clone();
         change(&mut config);
-        Setting { name, config, heading_rad: FRAC_PI_2 }
+        Setting { name, config, heading_rad: FRAC_PI_2, pose_error: PoseError::NONE }
     };
     let radius = |r: f64| with(format!("r^t = {r} m"), &|c| c.targets.radius_m = r);
     let noise = |w: f64| with(format!("noise ± {w}"), &|c| c.camera.depth_noise = [-w, w]);
