@@ -26,6 +26,16 @@ pub fn exclusion(location: &Outer, radius_m: f64, vertices: u16) -> Inner {
 /// All polygons share their edge directions, so the intersection is bounded, in each direction, by
 /// the edge of the rearmost one.
 pub fn disc_intersection(points: &[[f64; 2]], radius_m: f64, vertices: u16) -> Option<Ring> {
+    disc_intersection_of_moved(points, radius_m, vertices, |_| 0.0)
+}
+
+/// The same for points that may be moved, by no more than `moved_m` along each unit vector, metres.
+pub(super) fn disc_intersection_of_moved(
+    points: &[[f64; 2]],
+    radius_m: f64,
+    vertices: u16,
+    moved_m: impl Fn([f64; 2]) -> f64,
+) -> Option<Ring> {
     let n = vertices.max(4);
     let centre = centre_of_bounds(points)?;
     let apothem = radius_m * (PI / f64::from(n)).cos() - NUMERIC_MARGIN_M;
@@ -36,7 +46,7 @@ pub fn disc_intersection(points: &[[f64; 2]], radius_m: f64, vertices: u16) -> O
                 .iter()
                 .map(|p| x * (p[0] - centre[0]) + y * (p[1] - centre[1]))
                 .fold(f64::INFINITY, f64::min);
-            HalfPlane { normal: [x, y], offset: rearmost + apothem }
+            HalfPlane { normal: [x, y], offset: rearmost + apothem - moved_m([x, y]) }
         })
         .collect();
     if half_planes.iter().any(|h| h.offset <= 0.0) {

@@ -6,13 +6,13 @@ use csat_proto::camera::CameraView;
 use csat_proto::frame::{Frame, Label};
 use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::Grid;
-use csat_proto::region::{Region, Ring, metres};
+use csat_proto::region::{Region, Ring};
 use nalgebra::Vector3;
 
-use super::exclusion::{centre_of_bounds, disc_intersection};
+use super::exclusion::{centre_of_bounds, disc_intersection, disc_intersection_of_moved};
 use super::foot;
 use super::pixel_bounds::{LANES, PixelBounder, PixelBounds, differ};
-use super::pose_box::{Extent, PoseBox};
+use super::pose_box::{Extent, PoseBox, Tilt};
 use super::pyramid::{self, ground_corners, top_m};
 use crate::config::AgentConfig;
 use crate::mutant::{Mutant, is_on};
@@ -28,16 +28,40 @@ const LEAST_GRADE: f64 = 4.0;
 /// The same where poses are not exact: then there are no better ones.
 const LEAST_GRADE_IN_BOX: f64 = 2.0;
 
-/// With inexact poses every so many rows and columns of pixels are asked for their margins: each takes the hull of
-/// a hundred points, and neighbours prove the same.
+/// With inexact poses every so many rows and columns of pixels are asked for their margins: neighbours prove the same.
 const LATTICE: u16 = 4;
 
-fn least_grade(poses: &PoseBox) -> f64 {
-    if poses.is_exact() { LEAST_GRADE } else { LEAST_GRADE_IN_BOX }
+/// Which pixels are asked for their margins, given how well the pose is known.
+#[derive(Debug, Clone, Copy)]
+struct Asked {
+    /// Whether any can have one.
+    may_prove: bool,
+    /// Every so many rows and columns.
+    lattice: u16,
+    /// The grades that all lose to the errors of the position, at least.
+    lost: f32,
+    least_grade: f64,
 }
 
-fn is_on_lattice(pixel: &BoundedPixel) -> bool {
-    pixel.column % LATTICE == 0 && pixel.row % LATTICE == 0
+impl Asked {
+    fn from(poses: &PoseBox, radius_m: f64) -> Self {
+        if poses.is_exact() {
+            return Self { may_prove: true, lattice: 1, lost: 0.0, least_grade: LEAST_GRADE };
+        }
+        let lost = |shift_m: f64| shift_m / radius_m * GRADES;
+        Self {
+            may_prove: GRADES - lost(poses.most_shift_m()) >= LEAST_GRADE_IN_BOX,
+            lattice: LATTICE,
+            lost: lost(poses.least_shift_m()) as f32,
+            least_grade: LEAST_GRADE_IN_BOX,
+        }
+    }
+
+    fn has(&self, pixel: &BoundedPixel) -> bool {
+        self.may_prove
+            && pixel.column.is_multiple_of(self.lattice)
+            && pixel.row.is_multiple_of(self.lattice)
+    }
 }
 
 /// What the Obstacle pixels of one frame prove.
@@ -135,12 +159,10 @@ impl MarginSensor {
         let mut raised: BTreeSet<usize> = BTreeSet::new();
         let mut walls = WallPixels::new(view, frame);
         let bounder = PixelBounder::new(view, self.radius_m, GRADES, [&self.grid, &self.oem_grid]);
-        // What every margin loses to the errors of the position.
-        let lost = (poses.least_shift_m() / self.radius_m * GRADES) as f32;
+        let asked = Asked::from(poses, self.radius_m);
         for_each_obstacle_pixel(view, frame, &bounder, |bounded| {
             let pixel = || Pixel::at(view, frame, bounded.column, bounded.row);
-            let is_asked = poses.is_exact() || is_on_lattice(bounded);
-            if is_asked && self.may_improve(bounded, lost, least_grade(poses)) {
+            if asked.has(bounded) && self.may_improve(bounded, &asked) {
                 rings.extend(self.margin_of(view, poses, &pixel()));
             }
             if self.may_raise(bounded) {
@@ -148,9 +170,8 @@ impl MarginSensor {
             }
             walls.visit(bounded);
         });
-        rings.extend(
-            walls.found().filter_map(|pixel| self.margin_at_foot(view, poses, frame, &pixel)),
-        );
+        let of_walls = walls.found().filter(|_| asked.may_prove);
+        rings.extend(of_walls.filter_map(|pixel| self.margin_at_foot(view, poses, frame, &pixel)));
         let margin =
             if rings.is_empty() { Inner::default() } else { Inner::from_rings(&rings, ground) };
         let delta = |cell: usize| {
@@ -160,12 +181,11 @@ impl MarginSensor {
         ObstacleFindings { margin, occupied: raised.into_iter().map(delta).collect() }
     }
 
-    /// Whether [`Self::margin_of`] a pixel may be better than the margin of its cell, given that it loses at least
-    /// so many grades.
-    fn may_improve(&self, bounded: &BoundedPixel, lost: f32, least: f64) -> bool {
+    /// Whether [`Self::margin_of`] a pixel may be better than the margin of its cell.
+    fn may_improve(&self, bounded: &BoundedPixel, asked: &Asked) -> bool {
         let best = || usize::try_from(bounded.middle).map_or(0, |cell| self.best_grade[cell]);
-        let grade = bounded.grade - lost;
-        grade >= least as f32 && grade >= f32::from(best()) + 1.0
+        let grade = bounded.grade - asked.lost;
+        grade >= asked.least_grade as f32 && grade >= f32::from(best()) + 1.0
     }
 
     /// Whether [`Self::raise_cell`] may raise the cell of a pixel.
@@ -180,7 +200,8 @@ impl MarginSensor {
         let Pixel { column, row, depth_m: [near, far], ray } = *pixel;
         if !poses.is_exact() {
             let corners = ground_corners(view, column, row, pixel.depth_m);
-            return self.margin_about(poses, poses.tilted(&corners, pixel.extent(view)));
+            let tilt = poses.tilt(pixel.extent(view));
+            return self.margin_about(poses, &corners, Some(&tilt));
         }
         let half_span_m = (far - near) / 2.0 * (ray.x * ray.x + ray.y * ray.y).sqrt();
         let centre = view.centre_world() + ray * ((near + far) / 2.0);
@@ -206,9 +227,9 @@ impl MarginSensor {
         }
         let mut corners = ground_corners(view, pixel.column, pixel.row, pixel.depth_m);
         if !poses.is_exact() {
-            corners = poses.tilted(&corners, pixel.extent(view));
+            corners = poses.tilt(pixel.extent(view)).about(&corners);
             let corners = foot::unseen_part(view, poses, frame, corners);
-            return self.margin_about(poses, corners);
+            return self.margin_about(poses, &corners, None);
         }
         let corners = foot::unseen_part(view, poses, frame, corners);
         let (centre, half_span_m) = span(&corners)?;
@@ -216,15 +237,24 @@ impl MarginSensor {
         disc_intersection(&corners, self.radius_m, self.vertices)
     }
 
-    /// The points within r_s^to of `corners`, wherever the yaws and positions of the box move them.
-    fn margin_about(&mut self, poses: &PoseBox, corners: Vec<[f64; 2]>) -> Option<Ring> {
-        let places: Vec<[f64; 2]> = match is_on(Mutant::MarginFromOnePose) {
-            true => corners,
-            false => poses.moved(corners).into_iter().map(metres).collect(),
-        };
-        let (centre, half_span_m) = span(&places)?;
-        self.improve(centre, half_span_m, LEAST_GRADE_IN_BOX)?;
-        disc_intersection(&places, self.radius_m, self.vertices)
+    /// The points within r_s^to of `corners`, wherever the poses of the box move them; `tilt` if it is not in the
+    /// corners.
+    fn margin_about(
+        &mut self,
+        poses: &PoseBox,
+        corners: &[[f64; 2]],
+        tilt: Option<&Tilt>,
+    ) -> Option<Ring> {
+        if is_on(Mutant::MarginFromOnePose) {
+            return disc_intersection(corners, self.radius_m, self.vertices);
+        }
+        let turned = poses.turned(corners.iter().copied());
+        let (centre, half_span_m) = span(&turned)?;
+        let most_m = poses.most_shift_m() + tilt.map_or(0.0, Tilt::most_m);
+        self.improve(centre, half_span_m + most_m, LEAST_GRADE_IN_BOX)?;
+        let moved_m =
+            |normal| poses.shift_along_m(normal) + tilt.map_or(0.0, |tilt| tilt.along_m(normal));
+        disc_intersection_of_moved(&turned, self.radius_m, self.vertices, moved_m)
     }
 
     /// Notes an intersection of discs about points at most `half_span_m` from `centre`, if its grade

@@ -6,7 +6,7 @@
 //! - A location enters or leaves the image of an outline only when the outline crosses it on a path of poses. An edge
 //!   between two corners is mapped to a segment between their images, so the edge sweeps no more than the convex
 //!   hull of the places of both corners: [`PoseBox::swept_outline`].
-//! - A convex hull of points moves within the hull of their places: [`PoseBox::tilted`] and [`PoseBox::moved`].
+//! - A convex hull of points moves within the hull of their places: [`PoseBox::tilt`], [`PoseBox::turned`] and [`PoseBox::moved`].
 //!
 //! Places of points are computed in the frame of the heading, where roll, pitch and height act, then turned by the
 //! yaw and moved by the position, which both act on the ground as rigid motions (docs/concepts/pose.md).
@@ -37,6 +37,40 @@ impl Extent {
     /// That of the points of both.
     pub(super) fn or(self, other: Self) -> Self {
         Self { reach_m: self.reach_m.max(other.reach_m), drop_m: self.drop_m.max(other.drop_m) }
+    }
+}
+
+/// How far roll and pitch move points over the ground: a rectangle along the heading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tilt {
+    ahead_m: f64,
+    aside_m: f64,
+    /// The unit vector of the reported heading, `world`.
+    ahead: [f64; 2],
+    /// The error of that heading.
+    yaw_rad: f64,
+}
+
+impl Tilt {
+    /// Points whose convex hull contains `points` (`world`, metres), wherever they are moved.
+    pub(super) fn about(&self, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let [cos, sin] = self.ahead;
+        let moves = corners(self.ahead_m, self.aside_m)
+            .map(|[ahead, aside]| [ahead * cos - aside * sin, ahead * sin + aside * cos]);
+        let all = points.iter().flat_map(|p| moves.map(|[dx, dy]| [p[0] + dx, p[1] + dy]));
+        all.collect()
+    }
+
+    /// How far a point is moved, at most, metres.
+    pub(super) fn most_m(&self) -> f64 {
+        self.ahead_m.hypot(self.aside_m)
+    }
+
+    /// How far a point is moved along a unit vector, at most, metres, at any yaw of the box.
+    pub(super) fn along_m(&self, [x, y]: [f64; 2]) -> f64 {
+        let [cos, sin] = self.ahead;
+        let [ahead, aside] = [(x * cos + y * sin).abs(), (y * cos - x * sin).abs()];
+        self.ahead_m * ahead + self.aside_m * aside + self.yaw_rad * self.most_m()
     }
 }
 
@@ -132,53 +166,65 @@ impl PoseBox {
         Some(gaps.into_iter().fold(0.0, f64::max))
     }
 
-    /// Points whose convex hull contains, from every roll, pitch and height of the box, the ground projections
-    /// (`world`, metres) of what is fixed to the camera and projected to `points` from the reported pose.
-    pub(super) fn tilted(&self, points: &[[f64; 2]], extent: Extent) -> Vec<[f64; 2]> {
-        let PoseError { pitch_rad, roll_rad, .. } = self.error;
+    /// How far roll and pitch move the ground projections of points that are fixed to the camera.
+    pub(super) fn tilt(&self, extent: Extent) -> Tilt {
+        let PoseError { pitch_rad, roll_rad, yaw_rad, .. } = self.error;
         // A tilt moves a point by no more than this angle times its distance; so its drop changes by no more.
         let drop_m = extent.drop_m + extent.reach_m * (pitch_rad + roll_rad);
         // d(ahead)/d(pitch) is the drop, d(aside)/d(roll) the drop before the pitch.
         let slant = (self.pose.pitch_rad.abs() + pitch_rad).min(1.0);
-        let ahead_m = drop_m * pitch_rad + slant * extent.reach_m * roll_rad;
-        let aside_m = (drop_m + slant * extent.reach_m) * roll_rad;
         let (sin, cos) = self.pose.yaw_rad.sin_cos();
-        let moves = corners(ahead_m, aside_m).map(|[a, s]| [a * cos - s * sin, a * sin + s * cos]);
-        let all = points.iter().flat_map(|p| moves.map(|[dx, dy]| [p[0] + dx, p[1] + dy]));
-        all.collect()
+        Tilt {
+            ahead_m: drop_m * pitch_rad + slant * extent.reach_m * roll_rad,
+            aside_m: (drop_m + slant * extent.reach_m) * roll_rad,
+            ahead: [cos, sin],
+            yaw_rad,
+        }
+    }
+
+    /// Points whose convex hull contains points (`world`, metres, at the reported yaw) from every yaw of the box, about
+    /// the nadir.
+    pub(super) fn turned(&self, points: impl IntoIterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+        let ([x, y, _], half) = (self.pose.p_world, self.error.yaw_rad);
+        if half <= 0.0 {
+            return points.into_iter().collect();
+        }
+        // An arc lies in the triangle of its ends and the meeting point of their tangents.
+        let turns = [(-half, 1.0), (0.0, 1.0 / half.cos()), (half, 1.0)].map(|(turn, stretch)| {
+            let (sin, cos) = f64::sin_cos(turn);
+            [stretch * sin, stretch * cos]
+        });
+        let places = points.into_iter().flat_map(|p| {
+            let [dx, dy] = [p[0] - x, p[1] - y];
+            let radius = dx.hypot(dy);
+            let turned = turns.map(|[sin, cos]| [dx * cos - dy * sin, dx * sin + dy * cos]);
+            // All around, for large turns.
+            let corners = corners(radius, radius);
+            let is_small = half <= MOST_YAW_RAD;
+            let (few, many) = (is_small.then_some(turned), (!is_small).then_some(corners));
+            few.into_iter().flatten().chain(many.into_iter().flatten())
+        });
+        places.map(|[dx, dy]| [x + dx, y + dy]).collect()
     }
 
     /// A convex set that contains points (`world`, metres, at the reported yaw and position) from every yaw and
-    /// position of the box, about the nadir.
+    /// position of the box.
     pub(super) fn moved(&self, points: impl IntoIterator<Item = [f64; 2]>) -> Ring {
-        let ([x, y, _], [wide_x, wide_y, _]) = (self.pose.p_world, self.error.p_world);
-        let half = self.error.yaw_rad;
-        // An arc lies in the triangle of its ends and the meeting point of their tangents.
-        let turns = [(-half, 1.0), (0.0, 1.0 / half.cos()), (half, 1.0)].map(|(turn, stretch)| {
-            let (sin, cos) = turn.sin_cos();
-            [stretch * sin, stretch * cos]
-        });
-        let turned = points.into_iter().flat_map(|p| {
-            let [dx, dy] = [p[0] - x, p[1] - y];
-            let radius = dx.hypot(dy);
-            let places = if half <= 0.0 {
-                vec![[dx, dy]]
-            } else if half > MOST_YAW_RAD {
-                corners(radius, radius).to_vec()
-            } else {
-                turns.map(|[sin, cos]| [dx * cos - dy * sin, dx * sin + dy * cos]).to_vec()
-            };
-            places.into_iter().map(|[dx, dy]| grid_point([x + dx, y + dy]))
-        });
-        let turned = convex_hull(turned.collect()).unwrap_or_default();
+        let [wide_x, wide_y, _] = self.error.p_world;
+        let turned = self.turned(points).into_iter().map(grid_point).collect();
         let boxes = corners(wide_x + NUMERIC_MARGIN_M, wide_y + NUMERIC_MARGIN_M);
+        let turned = convex_hull(turned).unwrap_or_default();
         let places = turned.iter().flat_map(|p| {
-            boxes.map(|[dx, dy]| {
-                let [x, y] = metres(*p);
-                grid_point([x + dx, y + dy])
-            })
+            let [x, y] = metres(*p);
+            boxes.map(|[dx, dy]| grid_point([x + dx, y + dy]))
         });
         convex_hull(places.collect()).unwrap_or_default()
+    }
+
+    /// How far the positions of the box move a point along a unit vector, at most, metres.
+    pub(super) fn shift_along_m(&self, [x, y]: [f64; 2]) -> f64 {
+        let [wide_x, wide_y, _] = self.error.p_world;
+        x.abs() * wide_x + y.abs() * wide_y + NUMERIC_MARGIN_M
     }
 
     /// A point of the frame of the heading, `world`.

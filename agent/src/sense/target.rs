@@ -125,6 +125,6 @@ impl<'a> TargetPixels<'a> {
             self.of(window).map(|(c, r)| pyramid::extent(self.view, c, r, self.depth_m(c, r)));
         let extent = extents.fold(Extent::default(), Extent::or);
         let hull: Vec<[f64; 2]> = hull.into_iter().map(metres).collect();
-        Some(poses.moved(poses.tilted(&hull, extent)))
+        Some(poses.moved(poses.tilt(extent).about(&hull)))
     }
 }
