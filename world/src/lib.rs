@@ -15,6 +15,7 @@
 //! | [`track`] | tracks that cars follow instead of driving on their own |
 //! | `uav` | how UAVs move; a new kind of vehicle implements its trait |
 //! | [`navigation`] | the errors of reported poses |
+//! | [`lie`] | UAVs that lie |
 //! | [`odometry`] | reported poses in a frame of the agent's own |
 //! | [`scene`] | the solids that cameras see |
 //! | [`camera`] | frames with exact labels, and the oracle that checks them |
@@ -42,6 +43,7 @@
 mod bits;
 pub mod camera;
 pub mod contamination;
+pub mod lie;
 pub mod map;
 pub mod navigation;
 pub mod obstacle;

@@ -1,5 +1,6 @@
 //! The state of the world, which advances by one period at a time.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use csat_proto::camera::{CameraModel, Pose};
@@ -10,6 +11,7 @@ use csat_proto::model::{
 };
 use csat_proto::time::Step;
 
+use crate::lie::{Liar, Lie};
 use crate::map::{self, Map, MapConfig, MapError, MapRules, MapWarning};
 use crate::navigation::{Navigation, NavigationModel};
 use crate::obstacle::{Obstacle, Walls};
@@ -61,6 +63,8 @@ pub struct WorldConfig {
     pub odometry: Option<OdometryModel>,
     /// What cameras that segment roads get wrong; `None` where none does.
     pub segmentation: Option<RoadSensor>,
+    /// The UAVs that lie.
+    pub liars: Vec<Liar>,
     /// T, seconds.
     pub period_s: f64,
 }
@@ -77,6 +81,7 @@ impl Default for WorldConfig {
             navigation: None,
             odometry: None,
             segmentation: None,
+            liars: Vec::new(),
             period_s: 0.5,
         }
     }
@@ -108,6 +113,7 @@ pub struct World {
     /// By UAV; empty where reported poses are not relative to the start.
     odometry: Vec<Odometry>,
     cleared: Option<Cleared>,
+    lies: Vec<Lie>,
     step: Step,
 }
 
@@ -197,8 +203,9 @@ impl World {
         let prisms = (0..).zip(&map.obstacles).map(|(i, o)| o.prism(i)).collect();
         let navigation = navigation(&config, seed);
         let odometry = odometry(&config, &vehicles, seed);
+        let lies = config.liars.iter().map(|liar| Lie::new(*liar)).collect();
         let step = Step(0);
-        Ok(Self {
+        let mut world = Self {
             config,
             map,
             prisms,
@@ -209,8 +216,11 @@ impl World {
             navigation,
             odometry,
             cleared,
+            lies,
             step,
-        })
+        };
+        world.advance_lies();
+        Ok(world)
     }
 
     /// Lets one period T pass: k becomes k + 1.
@@ -234,6 +244,17 @@ impl World {
         for (odometry, vehicle) in self.odometry.iter_mut().zip(&self.vehicles) {
             odometry.advance(&vehicle.pose());
         }
+        self.advance_lies();
+    }
+
+    fn advance_lies(&mut self) {
+        let (now_s, mut lies) = (self.now_s(), std::mem::take(&mut self.lies));
+        lies.iter_mut().for_each(|lie| lie.advance(now_s, self.targets()));
+        self.lies = lies;
+    }
+
+    fn now_s(&self) -> f64 {
+        f64::from(self.step.0) * self.config.period_s
     }
 
     /// Lets the cars evade for one period; they react to what the UAVs see at its beginning.
@@ -337,8 +358,18 @@ impl World {
 
     /// Everything that stands on the ground now: obstacles by index, then targets by index.
     pub fn scene(&self) -> Scene {
-        let bodies = self.targets().iter().map(|t| t.prism(self.config.targets.body_m));
+        self.scene_with(self.targets())
+    }
+
+    fn scene_with(&self, targets: &[TargetTruth]) -> Scene {
+        let bodies = targets.iter().map(|t| t.prism(self.config.targets.body_m));
         Scene { prisms: self.prisms.iter().cloned().chain(bodies).collect() }
+    }
+
+    /// The scene that the camera of each agent that lies now shows in place of [`Self::scene`].
+    pub fn false_scenes(&self) -> BTreeMap<AgentId, Scene> {
+        let lies = self.lies.iter().filter(|lie| lie.has_begun(self.now_s()));
+        lies.map(|lie| (lie.agent(), self.scene_with(&lie.shown(self.targets())))).collect()
     }
 
     /// A monitor of this world that has checked nothing yet.

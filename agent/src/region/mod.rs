@@ -5,7 +5,7 @@
 //!
 //! | operation | result |
 //! |---|---|
-//! | `Outer ∩ Outer` | `Outer` |
+//! | `Outer ∩ Outer`, [`Outer::in_all_but`] | `Outer` |
 //! | `Outer \ Inner` | `Outer` |
 //! | `Inner ∪ Inner` | `Inner` |
 //! | [`Outer::dilated`], [`Outer::simplified`], [`Outer::limited`] | `Outer` |
@@ -36,6 +36,7 @@ mod inner;
 mod limit;
 mod outer;
 mod reach;
+mod relaxed;
 mod simplify;
 mod sweep;
 mod vector;

@@ -80,6 +80,7 @@ pub fn stats(ground: &Ground, report: &Report) -> Values {
         ("hidden_pct", Some(report.hidden_pct)),
         ("oem_iou_pct", report.oem_iou_pct),
         ("news_age_s", report.news_age_s),
+        ("liars_named", Some(report.liars.len() as f64)),
         ("vertices", Some(f64::from(report.vertices()))),
     ]
 }

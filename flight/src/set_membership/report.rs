@@ -2,7 +2,7 @@
 
 use csat_agent::agent::SetMembershipAgent;
 use csat_proto::camera::Pose;
-use csat_proto::ids::TargetId;
+use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::model::Ground;
 use csat_proto::oem::{OemCell, OemPatch};
 use csat_proto::raster::{Grid, Raster};
@@ -38,6 +38,8 @@ pub struct Report {
     pub oem_iou_pct: Option<f64>,
     /// How old its news of the other UAVs are, mean over them, seconds; `None` where there are none.
     pub news_age_s: Option<f64>,
+    /// The agents that it has proven to have said something false, by index.
+    pub liars: Vec<AgentId>,
     /// What it did not believe and did not say.
     pub tally: Tally,
     /// Its maps, where [`Detail::Full`] was asked for.
@@ -85,6 +87,7 @@ impl Report {
             hidden_pct: percent_of(&ground, hidden_m2),
             oem_iou_pct: measured.and_then(|m| oem_iou_pct(&m.hidden, &expected)),
             news_age_s: agent.news_age_s(),
+            liars: agent.liars().collect(),
             tally: Tally { rejected: rejected.collect(), withheld: agent.withheld() },
             maps: (detail == Detail::Full).then(maps),
         }

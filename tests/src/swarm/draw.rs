@@ -8,6 +8,7 @@ use csat_netem::config::{
     RateConfig,
 };
 use csat_proto::model::{Driving, Station};
+use csat_world::lie::{Liar, LieKind};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -60,6 +61,7 @@ impl Draw {
         if rng.random_bool(0.2) {
             scenario.estimator.max_vertices = rng.random_range(50..120);
         }
+        lies(&mut scenario, &mut rng);
         Self { scenario, steps: STEPS, healed, core, settle_steps, handicaps }
     }
 
@@ -78,15 +80,20 @@ impl Draw {
             evasive: (self.scenario.targets.driving == Driving::Evasive).into(),
             stationed: (!self.scenario.stations.is_empty()).into(),
             walled: self.scenario.agents.avoid_buildings.into(),
+            lying: (!self.scenario.faults.liar.is_empty()).into(),
             ..Exercise::default()
         }
     }
 
     /// Whether the core has to agree in the end. It does not where lost facts are not repaired, where
-    /// facts did not fit a budget, and where clocks differ, so that the agents have sets of different
-    /// steps.
+    /// facts did not fit a budget, where clocks differ, so that the agents have sets of different
+    /// steps, and where agents may lie.
     pub fn must_converge(&self) -> bool {
         let exchange = &self.scenario.exchange;
+        // Where some may lie, each agent believes its own frames more than those of others.
+        if exchange.liars > 0 {
+            return false;
+        }
         matches!(exchange.mode, ExchangeMode::FactsRepair | ExchangeMode::Snapshot)
             && exchange.budget_bytes_s.is_infinite()
             && exchange.clock_skew_s == 0.0
@@ -103,6 +110,23 @@ impl Draw {
         let Scenario { exchange, run, .. } = &self.scenario;
         exchange.mode == ExchangeMode::Snapshot
             || exchange.snapshot_period_s <= f64::from(self.settle_steps) * run.period_s
+    }
+}
+
+/// Agents that allow for liars, and no more liars than they allow for.
+fn lies(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
+    if rng.random_bool(0.7) {
+        return;
+    }
+    let uavs = scenario.agents.count;
+    scenario.exchange.liars = rng.random_range(1..=2.min(uavs - 1));
+    let mut kinds = vec![LieKind::Clear, LieKind::Phantom];
+    kinds.extend((scenario.targets.count > 1).then_some(LieKind::Misidentify));
+    let first = rng.random_range(0..uavs);
+    for i in 0..rng.random_range(0..=scenario.exchange.liars) {
+        let (agent, from_s) = ((first + i) % uavs, rng.random_range(0.0..6.0));
+        let kind = kinds[rng.random_range(0..kinds.len())];
+        scenario.faults.liar.push(Liar { agent, from_s, kind });
     }
 }
 

@@ -72,6 +72,10 @@ pub struct Exercise {
     pub stationed: u64,
     /// Missions among buildings higher than the flights.
     pub walled: u64,
+    /// Missions in which agents lied.
+    pub lying: u64,
+    /// How often an agent named a liar.
+    pub named: u64,
 }
 
 impl Exercise {
@@ -95,6 +99,8 @@ impl Exercise {
             evasive: self.evasive + other.evasive,
             stationed: self.stationed + other.stationed,
             walled: self.walled + other.walled,
+            lying: self.lying + other.lying,
+            named: self.named + other.named,
         }
     }
 }
