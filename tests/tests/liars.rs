@@ -56,9 +56,9 @@ fn who_believes_a_liar_loses_targets() {
 #[test]
 fn the_sets_hold_in_every_mode_of_exchange() {
     use ExchangeMode::{Facts, None, Snapshot};
-    [Facts, Snapshot, None].into_par_iter().zip(20..23u64).for_each(|(mode, seed)| {
+    [Facts, Snapshot, None].into_par_iter().zip(20..23u32).for_each(|(mode, seed)| {
         for kind in KINDS {
-            let scenario = with_mode(fleet(seed, 1, Some(kind)), mode);
+            let scenario = with_mode(fleet(seed.into(), 1, Some(kind)), mode);
             fly(&scenario, 100).check(&format!("{kind:?}, {mode:?}"));
         }
     });

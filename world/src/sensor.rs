@@ -111,9 +111,7 @@ impl Sensor {
         let &Sight { step, seed, targets, roads, .. } = sight;
         let stream = Stream { seed, agent, step };
         match self {
-            Self::Labels(camera) => {
-                Frame { pose: *reported, ..camera.frame(sight, stream, pose) }
-            }
+            Self::Labels(camera) => Frame { pose: *reported, ..camera.frame(sight, stream, pose) },
             Self::Detector(camera, detector) => {
                 let sighting = sighting(camera, detector, pose, targets, stream);
                 Frame::of_detector(step, *reported, sighting)

@@ -72,8 +72,7 @@ mod tests {
             assert!(off < 4.0 * sd, "{off}");
         }
         assert!(all.iter().all(|(named, is_any)| *is_any == (*named != [1, 3])));
-        let others: Vec<u16> =
-            all.iter().map(|(named, _)| named[0]).filter(|j| *j != 1).collect();
+        let others: Vec<u16> = all.iter().map(|(named, _)| named[0]).filter(|j| *j != 1).collect();
         for j in [0, 2, 4, 5] {
             assert!(others.iter().filter(|other| **other == j).count() > others.len() / 6, "{j}");
         }

@@ -24,8 +24,6 @@ fn camera() -> CameraModel {
         assumption: Assumption::EveryRay,
         misidentify: 0.0,
     }
-  misidentify: 0.0,
-    }
 }
 
 /// A pose as a multirotor has it.
