@@ -262,8 +262,11 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
     ) -> Result<(), RecordError> {
         let step = trace.step.0;
         for (agent, event) in &trace.events {
-            self.inconsistencies += u64::from(self.mission.is_inconsistency(event));
-            if let Some(liar) = self.mission.liar_in(event) {
+            // What follows from false frames says nothing of others.
+            let is_honest = !self.engine.is_false(*agent);
+            let is_inconsistency = is_honest && self.mission.is_inconsistency(event);
+            self.inconsistencies += u64::from(is_inconsistency);
+            if let Some(liar) = self.mission.liar_in(event).filter(|_| is_honest) {
                 NamedLiar::note(&mut self.liars, liar.0, agent.0, time_s);
             }
             recorder.event(&AgentLine { agent: *agent, event, time_s })?;

@@ -71,7 +71,7 @@ pub struct Outcome {
     pub checked: CheckCounts,
     /// Reports that came too late to be checked.
     pub unchecked: u64,
-    /// `inconsistent` events.
+    /// `inconsistent` events of honest agents.
     pub inconsistencies: u64,
     /// The agents that were named as liars, by index.
     pub liars: Vec<NamedLiar>,

@@ -48,9 +48,9 @@ pub struct Summary {
     /// Checks and violations by promise.
     #[serde(default)]
     pub checked: CheckCounts,
-    /// Sets that turned out empty: an assumption failed or an agent sent false facts.
+    /// Sets of honest agents that turned out empty: an assumption failed or an agent sent false facts.
     pub inconsistencies: u64,
-    /// The agents that were named as liars, by index; none if there are none.
+    /// The agents that honest ones named as liars, by index; none if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub liars: Vec<NamedLiar>,
     /// The mission's own numbers: values at the end, milestones, and means over the second half of the mission
@@ -116,7 +116,7 @@ fn first_kind() -> String {
     FIRST.to_owned()
 }
 
-/// An agent that others, or itself, have proven to have said something false.
+/// An agent that honest ones have proven to have said something false.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NamedLiar {
     /// Its index.

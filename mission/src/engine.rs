@@ -236,6 +236,11 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         self.lives[usize::from(agent.0)].is_alive
     }
 
+    /// Whether what an agent has seen so far was false: it lied, or took a target for another one.
+    pub fn is_false(&self, agent: AgentId) -> bool {
+        self.is_false[usize::from(agent.0)]
+    }
+
     /// Everything each agent knows, or knew when it crashed.
     pub fn show(&mut self) -> Vec<Option<M::Report>> {
         self.fleet.show()

@@ -66,7 +66,7 @@ pub struct Outcome {
     pub digest: u64,
     /// All violations that the monitor found, as text.
     pub violations: Vec<String>,
-    /// Sets that became empty.
+    /// Sets of honest agents that became empty.
     pub inconsistencies: u64,
     /// φ(X̄), mean over agents at the end, per cent.
     pub unexplored_pct: f64,
@@ -82,7 +82,7 @@ pub struct Outcome {
     pub named: Vec<Named>,
 }
 
-/// An agent named another one as a liar.
+/// An honest agent named another one as a liar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Named {
     /// Whom.
@@ -130,12 +130,14 @@ pub fn fly_in(mission: SetMembership, world: World, scenario: &Scenario, steps: 
     for _ in 0..=steps {
         let trace = engine.step();
         violations.extend(trace.violations.iter().map(|v| format!("{v:?}")));
+        let is_honest = |agent: &AgentId| !engine.is_false(*agent);
+        let honest = || trace.events.iter().filter(|(agent, _)| is_honest(agent));
         inconsistencies +=
-            trace.events.iter().filter(|(_, event)| mission.is_inconsistency(event)).count() as u64;
+            honest().filter(|(_, event)| mission.is_inconsistency(event)).count() as u64;
         let is_lost = |event: &Event| matches!(event, Event::NoWayOut { .. });
         no_way_out += trace.events.iter().filter(|(_, event)| is_lost(event)).count() as u64;
         let time_s = f64::from(trace.step.0) * scenario.run.period_s;
-        named.extend(trace.events.iter().filter_map(|(by, event)| {
+        named.extend(honest().filter_map(|(by, event)| {
             Some(Named { liar: mission.liar_in(event)?, by: *by, time_s })
         }));
         let nodes = engine.nodes();

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use csat_proto::ids::{AgentId, TargetId};
+use tracing::info_span;
 
 use super::evidence::ReceivedFact;
 use super::origins::{Claims, Combined, Origin, Origins};
@@ -30,7 +31,8 @@ impl Estimator {
     ) -> Verdict {
         self.hear(&sets.without_evidence(), origins, news);
         let predicted = self.predictor.predict(sets, news.step);
-        let (combined, liars) = self.without_liars(origins, &predicted);
+        let (combined, liars) =
+            info_span!("fuse").in_scope(|| self.without_liars(origins, &predicted));
         sets.targets = combined.targets;
         sets.unexplored = combined.unexplored;
         if let Some(own) = &origins.own {
