@@ -12,7 +12,7 @@ use crate::camera::noise::{NoisePurpose, Stream};
 /// Each target has a block of the stream, so that the visibility of one does not affect another.
 pub(super) fn misidentify(
     p: f64,
-    detections: &mut Vec<Detection>,
+    detections: &mut [Detection],
     count: u16,
     stream: Stream,
 ) -> bool {
