@@ -103,7 +103,7 @@ impl SetMembershipAgent {
             scheduler: Scheduler::new(config),
             knowledge: Arc::new(SettledKnowledge::new(
                 Knowledge::at_start(config),
-                Identity::default(),
+                Self::first_lineage(config),
             )),
             version_vector: VersionVector::new(config),
             receiver: Receiver::new(config),
@@ -143,12 +143,14 @@ impl SetMembershipAgent {
 
     /// The age of information: the age of the newest frame of another UAV of which this agent
     /// received a fact from that UAV, mean over the other UAVs, seconds. For a UAV from which no fact
-    /// arrived it is the age of the mission. `None` without other UAVs.
+    /// arrived it is the age of the mission. Named liars are left out. `None` without other UAVs.
     ///
     /// # References
     /// S. Kaul, R. Yates, M. Gruteser, *Real-time status: how often should one update?*, INFOCOM 2012.
     pub fn news_age_s(&self) -> Option<f64> {
-        let others = (0..self.config.fleet.count).map(AgentId).filter(|id| *id != self.config.id);
+        let is_other =
+            |id: &AgentId| *id != self.config.id && !self.liars().any(|liar| liar == *id);
+        let others = (0..self.config.fleet.count).map(AgentId).filter(is_other);
         let now = self.knowledge.step.0;
         let age =
             |id| now.saturating_sub(self.last_facts.get(&id).map_or(0, |(fact, _)| fact.step.0));
@@ -174,6 +176,12 @@ impl SetMembershipAgent {
     /// How many messages and own frames were dropped, by reason.
     pub fn rejected(&self) -> &BTreeMap<&'static str, u64> {
         &self.rejected
+    }
+
+    /// The agents that it has proven to have said something false, itself included, where
+    /// [`ExchangeConfig::liars`](crate::config::ExchangeConfig::liars) is above 0.
+    pub fn liars(&self) -> impl Iterator<Item = AgentId> + '_ {
+        self.knowledge.liars()
     }
 
     /// How many steps it sent no fact of because none fitted its budget.
@@ -222,8 +230,7 @@ impl SetMembershipAgent {
                 self.version_vector.apply(h.src, h.incarnation, h.fact.number);
             }
             if h.known.is_some() || is_on(Mutant::ClaimsWhatOthersHold) {
-                self.version_vector.adopt(&h.fact.held.facts);
-                self.repair.snapshot_heard(step);
+                self.adopt(h);
             }
             self.repair.hear(step, h.src, h.incarnation, h.fact.step, &h.fact.held);
         }
@@ -236,7 +243,37 @@ impl SetMembershipAgent {
         });
         self.knowledge = knowledge;
         self.own_frame.set_applied();
+        changes.liars.iter().for_each(|&liar| self.ignore(liar));
         self.report(&changes);
+    }
+
+    /// Notes which facts a snapshot contains, as far as it counts for them.
+    fn adopt(&mut self, heard: &ReceivedFact) {
+        let facts = &heard.fact.held.facts;
+        match self.config.exchange.liars {
+            0 => {
+                self.version_vector.adopt(facts);
+                self.repair.snapshot_heard(self.step());
+            }
+            // The facts of other agents are still missing: each agent resends its own.
+            _ => self.version_vector.adopt_own(heard.src, heard.incarnation, facts),
+        }
+    }
+
+    /// Believes nothing of an agent any more.
+    fn ignore(&mut self, liar: AgentId) {
+        self.receiver.ignore(liar);
+        self.scheduler.forget(liar);
+        self.last_facts.remove(&liar);
+    }
+
+    /// The lineage of the knowledge at the start. Where some agents may lie, what an agent knows
+    /// depends on which of the frames are its own, so that no two lineages are equal.
+    fn first_lineage(config: &AgentConfig) -> Identity {
+        match config.exchange.liars {
+            0 => Identity::default(),
+            _ => Identity::of_all([config.id.0.into(), config.incarnation.0.into()]),
+        }
     }
 
     /// The lineage of the knowledge after an update with the own frame and the received facts.
@@ -273,7 +310,8 @@ impl SetMembershipAgent {
         });
         let inconsistent =
             changes.inconsistent.iter().map(|&target| Event::Inconsistent { step, target });
-        self.events.extend(identified.chain(inconsistent));
+        let liars = changes.liars.iter().map(|&liar| Event::Liar { step, liar });
+        self.events.extend(identified.chain(inconsistent).chain(liars));
     }
 
     /// The last known positions of UAVs.

@@ -305,6 +305,8 @@ pub struct ExchangeConfig {
     /// Facts, and the knowledge of snapshots, with more vertices than this are dropped; agents send
     /// no such messages.
     pub max_vertices: u32,
+    /// q: how many agents may lie, or be mistaken, about what they see. With 0 all are believed.
+    pub liars: u16,
 }
 
 impl Default for ExchangeConfig {
@@ -319,6 +321,7 @@ impl Default for ExchangeConfig {
             max_age_s: 60.0,
             clock_skew_s: 0.0,
             max_vertices: 50_000,
+            liars: 0,
         }
     }
 }

@@ -78,6 +78,16 @@ pub enum Mutant {
     BoxNotGrownBetweenFixes,
     /// The monitor allows a target to be a metre outside of its set.
     MonitorLenient,
+    /// What a single agent claims is believed, as if none could lie.
+    ClaimsBelievedAtOnce,
+    /// The facts and the snapshots of an agent count as claims of two agents.
+    OriginCountedTwice,
+    /// The claims of an agent that was proven to lie are still counted.
+    NamedLiarBelieved,
+    /// Of an agent that was proven to lie, messages are still applied.
+    NamedLiarHeard,
+    /// An agent is taken for a liar if it merely knows less.
+    DoubtIsProof,
 }
 
 impl Mutant {
@@ -118,6 +128,11 @@ impl Mutant {
         Self::MarginFromOnePose,
         Self::BoxNotGrownBetweenFixes,
         Self::MonitorLenient,
+        Self::ClaimsBelievedAtOnce,
+        Self::OriginCountedTwice,
+        Self::NamedLiarBelieved,
+        Self::NamedLiarHeard,
+        Self::DoubtIsProof,
     ];
 }
 

@@ -14,8 +14,9 @@ use csat_experiments::clearing::Clearing;
 use csat_experiments::flight::ViolationLine;
 use csat_experiments::outputs::{File, files, own_files};
 use csat_experiments::set_membership::SetMembership;
-use csat_experiments::set_membership::judge::GUARANTEE;
-use csat_mission::judge;
+use csat_experiments::set_membership::judge::{ACCUSATION, GUARANTEE};
+use csat_experiments::summary::NamedLiar;
+use csat_mission::judge::{self, Broken};
 use csat_mission::mission::Whole;
 use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::time::Step;
@@ -101,6 +102,9 @@ fn written() -> Vec<(&'static str, BTreeSet<String>)> {
         let line = serde_json::to_value(ViolationLine::new(&violation, 1.5)).unwrap();
         event_keys(&line, &mut events);
     }
+    let wronged = Broken::new(ACCUSATION, AgentId(0), serde_json::json!({ "named": 1 }));
+    let wronged = judge::Violation { step: Step(3), fault: judge::Fault::Mission(wronged) };
+    event_keys(&serde_json::to_value(ViolationLine::new(&wronged, 1.5)).unwrap(), &mut events);
     let everywhere =
         [("target".to_owned(), 1.into()), ("location".to_owned(), vec![1.0, 2.0].into())];
     let outside = judge::Violation {
@@ -113,11 +117,16 @@ fn written() -> Vec<(&'static str, BTreeSet<String>)> {
     };
     event_keys(&serde_json::to_value(ViolationLine::new(&outside, 1.5)).unwrap(), &mut events);
     let inconsistent = Event::Inconsistent { step: Step(3), target: TargetId(0) };
-    let mut line = serde_json::to_value(inconsistent).unwrap();
-    line["agent"] = 0.into();
-    line["time_s"] = 1.5.into();
-    event_keys(&line, &mut events);
+    let named = Event::Liar { step: Step(3), liar: AgentId(1) };
+    for event in [inconsistent, named] {
+        let mut line = serde_json::to_value(event).unwrap();
+        line["agent"] = 0.into();
+        line["time_s"] = 1.5.into();
+        event_keys(&line, &mut events);
+    }
     keys(&json(&folder.join("summary.json")), "", &mut summary);
+    let liar = NamedLiar { agent: 1, first_s: 1.5, named_by: vec![0] };
+    keys(&serde_json::json!({ "liars": [liar] }), "", &mut summary);
     vec![
         ("metrics.csv", metrics),
         ("links.csv", links),

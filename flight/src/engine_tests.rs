@@ -55,6 +55,10 @@ impl Fleet<SetMembership> for Late {
     fn frames(&self) -> Vec<Frames> {
         self.fleet.frames()
     }
+
+    fn has_misidentified(&self) -> Vec<bool> {
+        self.fleet.has_misidentified()
+    }
 }
 
 /// How many checks of the guarantee were made, and how many reports were not checked, in `steps` steps of

@@ -24,7 +24,7 @@ use crate::passages::{LinkRow, passage_lines};
 use crate::record::{Outcome, RecordError, Recorder};
 use crate::scenario::missions::Offered;
 use crate::scenario::{Loaded, Scenario};
-use crate::summary::Messages;
+use crate::summary::{Messages, NamedLiar};
 use crate::view::Building;
 use crate::view::UavTrack;
 use crate::view::View;
@@ -179,6 +179,8 @@ struct Flight<M: Mission, F> {
     /// What is written down of the links.
     trace: TraceLevel,
     inconsistencies: u64,
+    /// The agents that were named as liars, by index.
+    liars: Vec<NamedLiar>,
 }
 
 /// A line of `events.jsonl`: an agent's report.
@@ -220,6 +222,7 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
             view,
             trace: scenario.netem.trace,
             inconsistencies: 0,
+            liars: Vec::new(),
         }
     }
 
@@ -259,7 +262,13 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
     ) -> Result<(), RecordError> {
         let step = trace.step.0;
         for (agent, event) in &trace.events {
-            self.inconsistencies += u64::from(self.mission.is_inconsistency(event));
+            // What follows from false frames says nothing of others.
+            let is_honest = !self.engine.is_false(*agent);
+            let is_inconsistency = is_honest && self.mission.is_inconsistency(event);
+            self.inconsistencies += u64::from(is_inconsistency);
+            if let Some(liar) = self.mission.liar_in(event).filter(|_| is_honest) {
+                NamedLiar::note(&mut self.liars, liar.0, agent.0, time_s);
+            }
             recorder.event(&AgentLine { agent: *agent, event, time_s })?;
         }
         for (agent, event) in &trace.lives {
@@ -377,6 +386,7 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
             checked: self.engine.checked(),
             unchecked: self.engine.unchecked(),
             inconsistencies: self.inconsistencies,
+            liars: self.liars,
             bytes_sent: counters.bytes_sent,
             messages: messages(&counters, self.engine.tally()),
             frames: self.engine.frames(),

@@ -116,6 +116,15 @@ const EVENTS: &[Row] = &[
     ("inconsistent.agent", "", "agent", "whose set became empty and was begun again", ""),
     ("inconsistent.target", "", "agent", "j", ""),
     (
+        "liar.agent",
+        "",
+        "agent",
+        "that has proven another one, or itself, to have said something false, and ignores it from now on \
+         ([liars](liars.md))",
+        "",
+    ),
+    ("liar.liar", "", "agent", "who said it", ""),
+    (
         "rejected.agent",
         "",
         "agent, as receiver",
@@ -161,6 +170,7 @@ const EVENTS: &[Row] = &[
         "",
     ),
     ("violation.agent", "", "agent", "that ruled out where a target is", ""),
+    ("violation.named", "", "agent", "an honest one that it has named as a liar", ""),
     ("violation.target", "", "target", "j, the target that it is about", ""),
     ("violation.location", "m", "target", "[east, north], where it is", ""),
     ("violation.obstacle", "", "target", "index of the obstacle that it is too near to", ""),
@@ -196,7 +206,8 @@ const SUMMARY: &[Row] = &[
         "checked.*.checks",
         "",
         "monitor",
-        "checks of one promise: `guarantee` (each target lies in the set of each agent), \
+        "checks of one promise: `guarantee` (each target lies in the set of each honest agent), `accusation` (honest \
+         agents name liars only; only where some are named), \
          `obstacle_distance`, `target_distance`, `outside_region`, `speed`, `building_distance`, `message_conservation`",
         "thesis (3.8), (3.11)",
     ),
@@ -205,9 +216,18 @@ const SUMMARY: &[Row] = &[
         "inconsistencies",
         "",
         "fleet",
-        "sets that became empty: an assumption failed or an agent lied",
+        "sets of honest agents that became empty: an assumption failed or an agent lied",
         "",
     ),
+    (
+        "liars[].agent",
+        "",
+        "agent",
+        "that an honest one named as a liar; no `liars` if none was",
+        "",
+    ),
+    ("liars[].first_s", "s", "agent", "when it was named first", ""),
+    ("liars[].named_by", "", "agents", "by which honest ones, the first ones first", ""),
     ("stations[].agent", "", "station", "its number among the agents: after the UAVs", ""),
     ("stations[].x_m", "m", "station", "its place, east", ""),
     ("stations[].y_m", "m", "station", "its place, north", ""),

@@ -17,7 +17,7 @@ use crate::run_folder::{Destination, FolderError, PartialFile, RunFolder};
 use crate::scenario::{Loaded, MAP_FILE, TRACKS_FILE};
 use crate::series::{Curves, Series};
 use crate::station::StationSummary;
-use crate::summary::{Messages, Summary};
+use crate::summary::{Messages, NamedLiar, Summary};
 use crate::timing::Timing;
 use crate::values::Numbers;
 use crate::view::View;
@@ -71,8 +71,10 @@ pub struct Outcome {
     pub checked: CheckCounts,
     /// Reports that came too late to be checked.
     pub unchecked: u64,
-    /// `inconsistent` events.
+    /// `inconsistent` events of honest agents.
     pub inconsistencies: u64,
+    /// The agents that were named as liars, by index.
+    pub liars: Vec<NamedLiar>,
     /// What became of the messages.
     pub messages: Messages,
     /// Bytes that agents sent.
@@ -249,6 +251,7 @@ impl Recorder {
             unchecked: outcome.unchecked,
             checked: outcome.checked.clone(),
             inconsistencies: outcome.inconsistencies,
+            liars: outcome.liars.clone(),
             numbers,
             last,
             stations: self.summarise_stations(&outcome.links),

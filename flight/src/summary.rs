@@ -48,8 +48,11 @@ pub struct Summary {
     /// Checks and violations by promise.
     #[serde(default)]
     pub checked: CheckCounts,
-    /// Sets that turned out empty: an assumption failed or an agent sent false facts.
+    /// Sets of honest agents that turned out empty: an assumption failed or an agent sent false facts.
     pub inconsistencies: u64,
+    /// The agents that honest ones named as liars, by index; none if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub liars: Vec<NamedLiar>,
     /// The mission's own numbers: values at the end, milestones, and means over the second half of the mission
     /// and over the UAVs.
     #[serde(flatten)]
@@ -113,6 +116,31 @@ fn first_kind() -> String {
     FIRST.to_owned()
 }
 
+/// An agent that honest ones have proven to have said something false.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NamedLiar {
+    /// Its index.
+    pub agent: u16,
+    /// When it was named first, seconds.
+    pub first_s: f64,
+    /// By which agents, the first ones first.
+    pub named_by: Vec<u16>,
+}
+
+impl NamedLiar {
+    /// Notes that `by` named `agent` at `time_s`, seconds. An agent that crashed names it again.
+    pub fn note(all: &mut Vec<Self>, agent: u16, by: u16, time_s: f64) {
+        let index = all.binary_search_by_key(&agent, |liar| liar.agent).unwrap_or_else(|index| {
+            all.insert(index, Self { agent, first_s: time_s, named_by: Vec::new() });
+            index
+        });
+        let named_by = &mut all[index].named_by;
+        if !named_by.contains(&by) {
+            named_by.push(by);
+        }
+    }
+}
+
 /// What became of the messages, per receiver.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Messages {
@@ -161,7 +189,7 @@ impl Summary {
             self.messages.describe(),
             self.bytes_sent as f64 / 1e6,
             self.digest,
-            stations.collect::<String>() + &self.missed(),
+            self.named() + &stations.collect::<String>() + &self.missed(),
             self.refused(),
         )
     }
@@ -225,6 +253,18 @@ impl Summary {
             n => format!(" ({n} reports came too late to be checked)"),
         };
         format!("{violations} of {checks} checks{unchecked}")
+    }
+
+    /// A line for each agent that was named as a liar.
+    fn named(&self) -> String {
+        let line = |NamedLiar { agent, first_s, named_by }: &NamedLiar| {
+            let by = named(named_by.iter().copied(), self.agents);
+            format!(
+                "\n{} named as a liar by {by}, first at {first_s} s",
+                named([*agent], self.agents)
+            )
+        };
+        self.liars.iter().map(line).collect()
     }
 
     /// A line for each agent that missed frames, and when nothing was heard of it.
@@ -385,7 +425,15 @@ mod tests {
             text.contains("12 sent, 9 delivered, 3 dropped (range 3); 1.23 MB said;"),
             "{text}"
         );
-        assert!(!text.contains("missed"), "{text}");
+        assert!(!text.contains("missed") && !text.contains("liar"), "{text}");
+        let mut liars = Vec::new();
+        for (agent, by, time_s) in [(2, 3, 61.5), (1, 0, 62.0), (2, 0, 64.0), (2, 3, 99.0)] {
+            NamedLiar::note(&mut liars, agent, by, time_s);
+        }
+        let named = Summary { liars, ..sample() }.describe();
+        let expected = "\nUAV 1 named as a liar by UAV 0, first at 62 s\n\
+                        UAV 2 named as a liar by UAVs 3, 0, first at 61.5 s";
+        assert!(named.ends_with(expected), "{named}");
         let mut slow = sample();
         slow.frames[3].missed = 449;
         let text = slow.describe();

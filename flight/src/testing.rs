@@ -84,6 +84,7 @@ pub fn summary() -> Summary {
         unchecked: 0,
         checked: CheckCounts::default(),
         inconsistencies: 0,
+        liars: Vec::new(),
         numbers,
         last,
         stations: Vec::new(),

@@ -114,6 +114,8 @@ pub struct Engine<M: Mission, F = LocalFleet<M>> {
     unchecked: u64,
     /// Where targets and agents were.
     truths: VecDeque<Kept>,
+    /// Whether what each agent has seen so far was false, by index.
+    is_false: Vec<bool>,
     seed: u64,
     period_s: f64,
     digest: Xxh3Default,
@@ -129,8 +131,8 @@ struct Kept {
 }
 
 impl Kept {
-    fn truth(&self) -> Truth<'_> {
-        Truth { step: self.step, targets: &self.targets, poses: &self.poses }
+    fn truth<'a>(&'a self, is_false: &'a [bool]) -> Truth<'a> {
+        Truth { step: self.step, targets: &self.targets, poses: &self.poses, is_false }
     }
 }
 
@@ -191,6 +193,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             judged: CheckCounts::default(),
             unchecked: 0,
             truths: VecDeque::new(),
+            is_false: vec![false; count],
             crashes: netem.crashes().cloned().collect(),
             world,
             fleet,
@@ -231,6 +234,11 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
     /// Whether an agent runs.
     pub fn is_alive(&self, agent: AgentId) -> bool {
         self.lives[usize::from(agent.0)].is_alive
+    }
+
+    /// Whether what an agent has seen so far was false: it lied, or took a target for another one.
+    pub fn is_false(&self, agent: AgentId) -> bool {
+        self.is_false[usize::from(agent.0)]
     }
 
     /// Everything each agent knows, or knew when it crashed.
@@ -304,6 +312,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             next,
             seed: self.seed,
             scene: self.world.scene(),
+            false_scenes: self.world.false_scenes(),
             targets: self.world.targets().to_vec(),
             roads: self.world.road_area().cloned(),
             poses: self.world.poses(),
@@ -313,6 +322,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             detail,
         };
         let mut flown = self.fleet.fly(&brief)?;
+        self.note_falsehoods(&brief);
         self.obey(&mut flown);
         for agent in &flown {
             self.digest.update(&agent.digest.to_le_bytes());
@@ -324,6 +334,16 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
         let violations = self.watch(step, &flown);
         let alive = self.lives.iter().map(|life| life.is_alive).collect();
         Ok(StepTrace::new(step, lives, alive, flown, violations))
+    }
+
+    /// Notes which agents have seen something false by now.
+    fn note_falsehoods(&mut self, brief: &Brief) {
+        for (is_false, has_erred) in self.is_false.iter_mut().zip(self.fleet.has_misidentified()) {
+            *is_false |= has_erred;
+        }
+        for liar in brief.false_scenes.keys() {
+            self.is_false[usize::from(liar.0)] = true;
+        }
     }
 
     /// Ends and begins the lives of agents: by the schedule of crashes, and as their processes come
@@ -402,7 +422,7 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
             self.unchecked += 1;
             return Vec::new();
         };
-        let judged = self.judge.judge(agent, report, &truth.truth());
+        let judged = self.judge.judge(agent, report, &truth.truth(&self.is_false));
         self.note(step, judged)
     }
 
@@ -410,7 +430,8 @@ impl<M: Mission, F: Fleet<M>> Engine<M, F> {
     fn close_step(&mut self) -> Vec<Violation> {
         let Some(truth) = self.truths.back() else { return Vec::new() };
         let is_alive: Vec<bool> = self.lives.iter().map(|life| life.is_alive).collect();
-        let (step, judged) = (truth.step, self.judge.close(&truth.truth(), &is_alive));
+        let (step, judged) =
+            (truth.step, self.judge.close(&truth.truth(&self.is_false), &is_alive));
         self.note(step, judged)
     }
 

@@ -45,6 +45,8 @@ pub struct Brief {
     pub seed: u64,
     /// What cameras see.
     pub scene: Scene,
+    /// What the cameras of agents that lie show instead.
+    pub false_scenes: BTreeMap<AgentId, Scene>,
     /// The targets, by index.
     pub targets: Vec<TargetTruth>,
     /// The roads, where cameras segment them.
@@ -66,7 +68,8 @@ impl Brief {
     pub fn frame(&self, sensor: &mut Sensor, id: AgentId) -> Frame {
         let index = usize::from(id.0);
         let (pose, reported) = (&self.poses[index], &self.reported[index]);
-        let Self { step, seed, scene, targets, roads, .. } = self;
+        let Self { step, seed, targets, roads, .. } = self;
+        let scene = self.false_scenes.get(&id).unwrap_or(&self.scene);
         let roads = roads.as_deref();
         let sight = Sight { step: *step, seed: *seed, scene, targets, roads };
         info_span!("render").in_scope(|| sensor.frame(&sight, id, pose, reported))
@@ -77,6 +80,12 @@ impl Brief {
 pub fn sensors<M: Mission>(mission: &M, count: usize) -> Vec<Option<Sensor>> {
     let models = (0..count).map(|index| mission.sensor(AgentId(index as u16)));
     models.map(|model| model.map(Sensor::new)).collect()
+}
+
+/// Whether a frame of each of these sensors has taken a target for another one.
+pub fn has_misidentified(sensors: &[Option<Sensor>]) -> Vec<bool> {
+    let has_misidentified = |sensor: &Sensor| sensor.has_misidentified();
+    sensors.iter().map(|sensor| sensor.as_ref().is_some_and(has_misidentified)).collect()
 }
 
 /// One agent's step, as told to its observers.
@@ -158,6 +167,9 @@ pub trait Fleet<M: Mission> {
     /// What became of each agent's frames so far, by index.
     fn frames(&self) -> Vec<Frames>;
 
+    /// Whether a frame of each agent so far has taken a target for another one, by index.
+    fn has_misidentified(&self) -> Vec<bool>;
+
     /// What processes did not believe of what was said to them so far, by kind.
     fn refused(&self) -> BTreeMap<String, u64> {
         BTreeMap::new()
@@ -189,6 +201,10 @@ impl<M: Mission, F: Fleet<M>> Fleet<M> for &mut F {
 
     fn frames(&self) -> Vec<Frames> {
         (**self).frames()
+    }
+
+    fn has_misidentified(&self) -> Vec<bool> {
+        (**self).has_misidentified()
     }
 
     fn refused(&self) -> BTreeMap<String, u64> {

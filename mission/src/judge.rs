@@ -67,6 +67,16 @@ pub struct Truth<'a> {
     pub targets: &'a [TargetTruth],
     /// Where every agent is, by index: the UAVs, then the ground stations.
     pub poses: &'a [Pose],
+    /// Whether what each agent has seen so far was false, by index: it lied, or took a target for
+    /// another one.
+    pub is_false: &'a [bool],
+}
+
+impl Truth<'_> {
+    /// Whether what an agent has seen so far was false.
+    pub fn is_false(&self, agent: AgentId) -> bool {
+        self.is_false.get(usize::from(agent.0)).copied().unwrap_or_default()
+    }
 }
 
 /// Judges one run. It may keep state from report to report.

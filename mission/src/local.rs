@@ -12,7 +12,7 @@ use csat_proto::time::SimTime;
 use csat_world::sensor::Sensor;
 use rayon::prelude::*;
 
-use crate::fleet::{Brief, Fleet, Flown, Frames, sensors};
+use crate::fleet::{Brief, Fleet, Flown, Frames, has_misidentified, sensors};
 use crate::mission::Mission;
 use crate::node::{Node, Said};
 
@@ -138,5 +138,9 @@ impl<M: Mission> Fleet<M> for LocalFleet<M> {
         // In virtual time no agent misses a frame.
         let frames = |&shown| Frames { shown, ..Frames::default() };
         self.shown.iter().map(frames).collect()
+    }
+
+    fn has_misidentified(&self) -> Vec<bool> {
+        has_misidentified(&self.sensors)
     }
 }

@@ -83,6 +83,11 @@ pub trait Mission: Clone + Send + Sync + 'static {
 
     /// Whether an event says that an assumption failed.
     fn is_inconsistency(&self, event: &<Self::Agent as Agent>::Event) -> bool;
+
+    /// The agent that an event says has lied.
+    fn liar_in(&self, _: &<Self::Agent as Agent>::Event) -> Option<AgentId> {
+        None
+    }
 }
 
 /// What every agent tells its observers, whatever its mission.

@@ -143,6 +143,8 @@ pub struct CameraModel {
     pub box_error_px: u16,
     /// 4, 5 or 6: which assumption Obstacle and Target labels obey.
     pub assumption: Assumption,
+    /// The probability that an identified target is taken for another one, 0..1, in each frame.
+    pub misidentify: f64,
 }
 
 impl Default for CameraModel {
@@ -157,6 +159,7 @@ impl Default for CameraModel {
             min_pixels: 8,
             box_error_px: 0,
             assumption: Assumption::EveryRay,
+            misidentify: 0.0,
         }
     }
 }

@@ -7,6 +7,7 @@ use csat_experiments::set_membership::SetMembership;
 use csat_experiments::set_membership::report::percent_of;
 use csat_mission::engine::Engine;
 use csat_mission::mission::Mission;
+use csat_proto::ids::AgentId;
 use csat_world::world::{World, WorldErrors};
 use serde::Serialize;
 
@@ -65,7 +66,7 @@ pub struct Outcome {
     pub digest: u64,
     /// All violations that the monitor found, as text.
     pub violations: Vec<String>,
-    /// Sets that became empty.
+    /// Sets of honest agents that became empty.
     pub inconsistencies: u64,
     /// φ(X̄), mean over agents at the end, per cent.
     pub unexplored_pct: f64,
@@ -77,6 +78,19 @@ pub struct Outcome {
     pub dropped: u64,
     /// How often a UAV began to fly without a way out.
     pub no_way_out: u64,
+    /// Who was named as a liar, by whom, and when, seconds.
+    pub named: Vec<Named>,
+}
+
+/// An honest agent named another one as a liar.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Named {
+    /// Whom.
+    pub liar: AgentId,
+    /// Who did.
+    pub by: AgentId,
+    /// When, seconds.
+    pub time_s: f64,
 }
 
 impl Outcome {
@@ -112,14 +126,20 @@ pub fn fly_mission(mission: SetMembership, scenario: &Scenario, steps: u32) -> O
 pub fn fly_in(mission: SetMembership, world: World, scenario: &Scenario, steps: u32) -> Outcome {
     let mut engine = Engine::new(mission.clone(), world, &scenario.netem, scenario.seed);
     let (mut violations, mut inconsistencies, mut sum) = (Vec::new(), 0, 0.0);
-    let (mut unexplored_pct, mut no_way_out) = (0.0, 0);
+    let (mut unexplored_pct, mut no_way_out, mut named) = (0.0, 0, Vec::new());
     for _ in 0..=steps {
         let trace = engine.step();
         violations.extend(trace.violations.iter().map(|v| format!("{v:?}")));
+        let is_honest = |agent: &AgentId| !engine.is_false(*agent);
+        let honest = || trace.events.iter().filter(|(agent, _)| is_honest(agent));
         inconsistencies +=
-            trace.events.iter().filter(|(_, event)| mission.is_inconsistency(event)).count() as u64;
+            honest().filter(|(_, event)| mission.is_inconsistency(event)).count() as u64;
         let is_lost = |event: &Event| matches!(event, Event::NoWayOut { .. });
         no_way_out += trace.events.iter().filter(|(_, event)| is_lost(event)).count() as u64;
+        let time_s = f64::from(trace.step.0) * scenario.run.period_s;
+        named.extend(honest().filter_map(|(by, event)| {
+            Some(Named { liar: mission.liar_in(event)?, by: *by, time_s })
+        }));
         let nodes = engine.nodes();
         let share = |region| percent_of(&scenario.ground(), region);
         let all = nodes.iter().map(|s| share(s.agent.knowledge().unexplored.region().area_m2()));
@@ -136,6 +156,7 @@ pub fn fly_in(mission: SetMembership, world: World, scenario: &Scenario, steps: 
         identified: engine.nodes()[0].agent.knowledge().targets.len(),
         dropped: engine.counters().dropped.values().sum(),
         no_way_out,
+        named,
     }
 }
 

@@ -164,6 +164,7 @@ fn camera(rng: &mut ChaCha8Rng) -> CameraModel {
         min_pixels: rng.random_range(1..5),
         box_error_px: *[0, 0, 1, 5].choose(rng).expect("some"),
         assumption: assumptions[weight.saturating_sub(2)],
+        misidentify: 0.0,
     }
 }
 

@@ -15,6 +15,7 @@
 //! | [`track`] | tracks that cars follow instead of driving on their own |
 //! | `uav` | how UAVs move; a new kind of vehicle implements its trait |
 //! | [`navigation`] | the errors of reported poses |
+//! | [`lie`] | UAVs that lie |
 //! | [`observer`] | boxes that contain true poses |
 //! | [`odometry`] | reported poses in a frame of the agent's own |
 //! | [`scene`] | the solids that cameras see |
@@ -43,6 +44,7 @@
 mod bits;
 pub mod camera;
 pub mod contamination;
+pub mod lie;
 pub mod map;
 pub mod navigation;
 pub mod observer;

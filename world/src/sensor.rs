@@ -15,8 +15,10 @@ use crate::road_area::RoadArea;
 use crate::scene::Scene;
 use crate::target::TargetTruth;
 
+mod misidentify;
 mod roads;
 
+use misidentify::misidentify;
 pub use roads::mistakes;
 
 /// The kind of a sensor.
@@ -58,18 +60,39 @@ pub struct Sight<'a> {
 #[derive(Debug, Clone)]
 pub enum Sensor {
     /// It labels pixels.
-    Labels(Box<Renderer>),
+    Labels(Box<LabelCamera>),
     /// It detects targets.
     Detector(CameraModel, DetectorModel),
     /// It segments roads.
     Roads(CameraModel, RoadSensor),
 }
 
+/// A camera that labels pixels.
+#[derive(Debug, Clone)]
+pub struct LabelCamera {
+    renderer: Renderer,
+    has_misidentified: bool,
+}
+
+impl LabelCamera {
+    fn frame(&mut self, sight: &Sight<'_>, stream: Stream, pose: &Pose) -> Frame {
+        let Stream { seed, agent, step } = stream;
+        let mut frame = self.renderer.frame(sight.scene, pose, step, seed, agent);
+        let p = self.renderer.model().misidentify;
+        self.has_misidentified |=
+            misidentify(p, &mut frame.detections, sight.targets.len() as u16, stream);
+        frame
+    }
+}
+
 impl Sensor {
     /// A sensor of that kind.
     pub fn new(model: SensorModel) -> Self {
         match model {
-            SensorModel::Labels(camera) => Self::Labels(Box::new(Renderer::new(camera))),
+            SensorModel::Labels(camera) => {
+                let renderer = Renderer::new(camera);
+                Self::Labels(Box::new(LabelCamera { renderer, has_misidentified: false }))
+            }
             SensorModel::Detector(camera, detector) => Self::Detector(camera, detector),
             SensorModel::Roads(camera, roads) => Self::Roads(camera, roads),
         }
@@ -85,13 +108,12 @@ impl Sensor {
         pose: &Pose,
         reported: &PoseEstimate,
     ) -> Frame {
-        let &Sight { step, seed, scene, targets, roads } = sight;
+        let &Sight { step, seed, targets, roads, .. } = sight;
         let stream = Stream { seed, agent, step };
         let &PoseEstimate { pose: reported, error: pose_error } = reported;
         match self {
-            Self::Labels(renderer) => {
-                let frame = renderer.frame(scene, pose, step, seed, agent);
-                Frame { pose: reported, pose_error, ..frame }
+            Self::Labels(camera) => {
+                Frame { pose: reported, pose_error, ..camera.frame(sight, stream, pose) }
             }
             Self::Detector(camera, detector) => {
                 let sighting = sighting(camera, detector, pose, targets, stream);
@@ -102,6 +124,13 @@ impl Sensor {
                 Frame { labels, pose_error, ..Frame::of_detector(step, reported, None) }
             }
         }
+    }
+}
+
+impl Sensor {
+    /// Whether a frame so far has taken a target for another one.
+    pub fn has_misidentified(&self) -> bool {
+        matches!(self, Self::Labels(camera) if camera.has_misidentified)
     }
 }
 
@@ -153,6 +182,7 @@ mod tests {
         min_pixels: 1,
         box_error_px: 0,
         assumption: csat_proto::camera::Assumption::EveryRay,
+        misidentify: 0.0,
     };
 
     fn at(id: u16, location: [f64; 2]) -> TargetTruth {

@@ -1,5 +1,6 @@
 //! The state of the world, which advances by one period at a time.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use csat_proto::camera::{CameraModel, Pose, PoseEstimate};
@@ -10,6 +11,7 @@ use csat_proto::model::{
 };
 use csat_proto::time::Step;
 
+use crate::lie::{Liar, Lie};
 use crate::map::{self, Map, MapConfig, MapError, MapRules, MapWarning};
 use crate::navigation::{Navigation, NavigationModel};
 use crate::observer::{Observer, ObserverModel};
@@ -64,6 +66,8 @@ pub struct WorldConfig {
     pub observer: Option<ObserverModel>,
     /// What cameras that segment roads get wrong; `None` where none does.
     pub segmentation: Option<RoadSensor>,
+    /// The UAVs that lie.
+    pub liars: Vec<Liar>,
     /// T, seconds.
     pub period_s: f64,
 }
@@ -81,6 +85,7 @@ impl Default for WorldConfig {
             odometry: None,
             observer: None,
             segmentation: None,
+            liars: Vec::new(),
             period_s: 0.5,
         }
     }
@@ -114,6 +119,7 @@ pub struct World {
     /// By UAV; empty where no pose has a box.
     observers: Vec<Observer>,
     cleared: Option<Cleared>,
+    lies: Vec<Lie>,
     step: Step,
 }
 
@@ -216,8 +222,9 @@ impl World {
         let navigation = navigation(&config, seed);
         let odometry = odometry(&config, &vehicles, seed);
         let observers = observers(&config, &vehicles, seed);
+        let lies = config.liars.iter().map(|liar| Lie::new(*liar)).collect();
         let step = Step(0);
-        Ok(Self {
+        let mut world = Self {
             config,
             map,
             prisms,
@@ -229,8 +236,11 @@ impl World {
             odometry,
             observers,
             cleared,
+            lies,
             step,
-        })
+        };
+        world.advance_lies();
+        Ok(world)
     }
 
     /// Lets one period T pass: k becomes k + 1.
@@ -257,6 +267,17 @@ impl World {
         for (observer, vehicle) in self.observers.iter_mut().zip(&self.vehicles) {
             observer.advance(&vehicle.pose());
         }
+        self.advance_lies();
+    }
+
+    fn advance_lies(&mut self) {
+        let (now_s, mut lies) = (self.now_s(), std::mem::take(&mut self.lies));
+        lies.iter_mut().for_each(|lie| lie.advance(now_s, self.targets()));
+        self.lies = lies;
+    }
+
+    fn now_s(&self) -> f64 {
+        f64::from(self.step.0) * self.config.period_s
     }
 
     /// Lets the cars evade for one period; they react to what the UAVs see at its beginning.
@@ -365,8 +386,18 @@ impl World {
 
     /// Everything that stands on the ground now: obstacles by index, then targets by index.
     pub fn scene(&self) -> Scene {
-        let bodies = self.targets().iter().map(|t| t.prism(self.config.targets.body_m));
+        self.scene_with(self.targets())
+    }
+
+    fn scene_with(&self, targets: &[TargetTruth]) -> Scene {
+        let bodies = targets.iter().map(|t| t.prism(self.config.targets.body_m));
         Scene { prisms: self.prisms.iter().cloned().chain(bodies).collect() }
+    }
+
+    /// The scene that the camera of each agent that lies now shows in place of [`Self::scene`].
+    pub fn false_scenes(&self) -> BTreeMap<AgentId, Scene> {
+        let lies = self.lies.iter().filter(|lie| lie.has_begun(self.now_s()));
+        lies.map(|lie| (lie.agent(), self.scene_with(&lie.shown(self.targets())))).collect()
     }
 
     /// A monitor of this world that has checked nothing yet.

@@ -26,6 +26,14 @@ pub enum Event {
         /// j.
         target: TargetId,
     },
+    /// Another agent was proven to have said something false, or this one to have: from now on its
+    /// messages, or the own frames, are ignored.
+    Liar {
+        /// The agent's step.
+        step: Step,
+        /// Who said it.
+        liar: AgentId,
+    },
     /// No increment is known to keep clear of buildings, and no way out is left of the decision
     /// before. The UAV flies the increment that keeps clear longest of places where a building may
     /// stand. Reported when this begins.

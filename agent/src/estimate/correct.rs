@@ -6,18 +6,18 @@ use csat_proto::ids::TargetId;
 
 use super::evidence::Evidence;
 use super::predict::Predicted;
-use super::state::Knowledge;
+use super::sets::Sets;
 use crate::mutant::{Mutant, is_on};
 use crate::region::{Inner, Outer};
 use crate::sense::MeasuredTarget;
 
-/// Corrects predicted knowledge.
+/// Corrects predicted sets.
 ///
 /// All detections are intersected with the predicted sets before any exclusion is applied: a
 /// detection must not be intersected with an X̄ from which its own exclusion was taken already.
-pub(super) fn correct(knowledge: &mut Knowledge, predicted: &Predicted, evidence: &[Evidence]) {
-    knowledge.learn_margin(evidence.iter().map(|e| &e.obstacle_margin)); // (4.28)
-    let margin = &knowledge.margin;
+pub(super) fn correct(sets: &mut Sets, predicted: &Predicted, evidence: &[Evidence]) {
+    sets.learn_margin(evidence.iter().map(|e| &e.obstacle_margin)); // (4.28)
+    let margin = &sets.margin;
     let seen = || evidence.iter().flat_map(|e| &e.targets);
     let disproved = |target: Option<TargetId>| {
         let exclusions = seen().filter(move |s| applies_to(s, target)).map(|s| &s.exclusion);
@@ -44,7 +44,7 @@ pub(super) fn correct(knowledge: &mut Knowledge, predicted: &Predicted, evidence
                     set = predicted.unexplored.minus(disproved(None));
                 }
                 if is_on(Mutant::FirstSeenNotDilated) && before.is_none() {
-                    set = knowledge.unexplored.clone();
+                    set = sets.unexplored.clone();
                 }
                 locations
                     .fold(set, |set, location| set.intersection(location))
@@ -53,8 +53,8 @@ pub(super) fn correct(knowledge: &mut Knowledge, predicted: &Predicted, evidence
         };
         targets.insert(j, set);
     }
-    knowledge.unexplored = predicted.unexplored.minus(disproved(None)); // (4.29)
-    knowledge.targets = targets;
+    sets.unexplored = predicted.unexplored.minus(disproved(None)); // (4.29)
+    sets.targets = targets;
 }
 
 /// Whether the exclusion of `seen` applies to `target`, or for `None` to unidentified targets.

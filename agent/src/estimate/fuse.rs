@@ -14,33 +14,29 @@ use csat_proto::message::Known;
 use csat_proto::region::{Region, Shape};
 
 use super::evidence::{Ager, Evidence};
-use super::state::Knowledge;
+use super::sets::Sets;
 use crate::mutant::{Mutant, is_on};
 use crate::region::{Inner, Outer};
 
-/// Merges the outer approximations of other agents, each of its own step, into the knowledge.
-pub(super) fn fuse<'a>(
-    knowledge: &mut Knowledge,
-    known: impl Iterator<Item = &'a Known>,
-    ager: &Ager,
-) {
+/// Merges the outer approximations of other agents, each of its own step, into the sets.
+pub(super) fn fuse<'a>(sets: &mut Sets, known: impl Iterator<Item = &'a Known>, ager: &Ager) {
     let mut known = known.peekable();
     if known.peek().is_some() {
-        let before = knowledge.clone();
-        known.for_each(|known| merge(knowledge, &before, known, ager));
+        let before = sets.clone();
+        known.for_each(|known| merge(sets, &before, known, ager));
     }
 }
 
-/// Merges the knowledge of another agent into `knowledge`, which was `before` before the first merge.
+/// Merges the knowledge of another agent into `sets`, which was `before` before the first merge.
 ///
 /// X̄ of the other agent is used only together with its L and X_j: its X̄ need not contain a target
 /// that it has identified.
-fn merge(knowledge: &mut Knowledge, before: &Knowledge, known: &Known, ager: &Ager) {
+fn merge(sets: &mut Sets, before: &Sets, known: &Known, ager: &Ager) {
     let reach = match is_on(Mutant::LateSnapshotNotDilated) {
         true => None,
         false => {
             let mistake = Mutant::ClockSkewOfSnapshotsIgnored;
-            ager.reach_unless(mistake, knowledge.step, known.step)
+            ager.reach_unless(mistake, sets.step, known.step)
         }
     };
     let meet = |own: &Outer, before: &Outer, their: &Region| {
@@ -54,18 +50,18 @@ fn merge(knowledge: &mut Knowledge, before: &Knowledge, known: &Known, ager: &Ag
         false => known.targets.iter().map(|(j, set)| (*j, set)).collect(),
     };
     let mut merged = BTreeMap::new();
-    for &j in knowledge.targets.keys().chain(theirs.keys()) {
+    for &j in sets.targets.keys().chain(theirs.keys()) {
         let their_set = theirs.get(&j).copied().unwrap_or(&known.unexplored);
-        let (own, before) = (knowledge.set_of(j), before.set_of(j));
+        let (own, before) = (sets.set_of(j), before.set_of(j));
         merged.entry(j).or_insert_with(|| meet(own, before, their_set));
     }
-    knowledge.unexplored = meet(&knowledge.unexplored, &before.unexplored, &known.unexplored);
-    knowledge.targets = merged;
+    sets.unexplored = meet(&sets.unexplored, &before.unexplored, &known.unexplored);
+    sets.targets = merged;
 }
 
 /// The shapes of the X° of another agent that are not known bit by bit already.
-pub(super) fn margin_news(knowledge: &Knowledge, known: &Known) -> Evidence {
-    let obstacle_margin = news(&known.obstacle_margin, knowledge.margin.region());
+pub(super) fn margin_news(sets: &Sets, known: &Known) -> Evidence {
+    let obstacle_margin = news(&known.obstacle_margin, sets.margin.region());
     Evidence { clear_ground: Inner::default(), obstacle_margin, targets: Vec::new() }
 }
 

@@ -3,37 +3,48 @@
 //!
 //! | module | equations |
 //! |---|---|
-//! | [`state`] | the sets an agent holds |
+//! | [`state`] | what an agent knows |
+//! | [`sets`] | the sets that carry the guarantee |
 //! | [`evidence`] | what own and received frames prove about the current step |
 //! | `fuse` | (4.34)-(4.37): the knowledge of other agents |
 //! | [`predict`] | (4.24)-(4.27) |
 //! | `correct` | (4.28)-(4.33): what frames disprove |
 //! | [`oem`] | the occupancy-elevation map |
+//! | [`origins`] | which agent claims what, where some may lie |
+//! | `believe` | an update where some may lie |
 //!
 //! Every agent applies all evidence of a step at once and in the same order, so agents that received
 //! the same facts have the same knowledge, to the last bit.
 
+mod believe;
 mod correct;
 pub mod evidence;
 mod fuse;
 pub mod oem;
+pub mod origins;
 pub mod predict;
+pub mod sets;
 pub mod state;
 
 use csat_proto::ids::{AgentId, TargetId};
+use csat_proto::message::Known;
 use csat_proto::time::Step;
 use tracing::info_span;
 
 use crate::config::AgentConfig;
 use crate::sense::Measured;
+use believe::Verdict;
 use evidence::{Ager, Evidence, ReceivedFact};
 use predict::Predictor;
+use sets::Sets;
 use state::Knowledge;
 
 /// Keeps [`Knowledge`] up to date.
 #[derive(Debug, Clone)]
 pub struct Estimator {
     own: AgentId,
+    /// q: how many other agents may lie.
+    liars: usize,
     ager: Ager,
     predictor: Predictor,
 }
@@ -46,18 +57,23 @@ pub struct Changes {
     /// Targets whose set became empty and was restarted: an assumption failed or a message was
     /// false.
     pub inconsistent: Vec<TargetId>,
+    /// Agents that were proven to have said something false.
+    pub liars: Vec<AgentId>,
 }
 
 impl Estimator {
     /// An estimator for the agent of `config`.
     pub fn new(config: &AgentConfig) -> Self {
-        Self { own: config.id, ager: Ager::new(config), predictor: Predictor::new(config) }
+        Self {
+            own: config.id,
+            liars: config.exchange.liars.into(),
+            ager: Ager::new(config),
+            predictor: Predictor::new(config),
+        }
     }
 
     /// Takes the knowledge to the step of the own frame, if there is one, and applies that frame and
     /// the facts in `heard`. No fact in `heard` may be of a later step.
-    ///
-    /// The knowledge of other agents is of earlier steps, so it is merged before the prediction.
     pub fn update(
         &self,
         knowledge: &mut Knowledge,
@@ -66,42 +82,66 @@ impl Estimator {
     ) -> Changes {
         let before: Vec<TargetId> = knowledge.targets.keys().copied().collect();
         heard.sort_by_key(|h| (h.fact.step, h.src, h.incarnation, h.fact.number, h.is_answer));
-        if let Some((step, _)) = own {
-            self.predictor.catch_up(knowledge, step);
+        let (step, measured) = (own.map(|(step, _)| step), own.map(|(_, measured)| measured));
+        let news = News { step, measured, heard: &heard };
+        let Knowledge { sets, origins, .. } = knowledge;
+        let Verdict { liars, inconsistent } = match origins {
+            Some(origins) => self.apply_by_origin(sets, origins, &news),
+            None => {
+                self.apply(sets, &news);
+                Verdict { liars: Vec::new(), inconsistent: sets.restart_empty_sets() }
+            }
+        };
+        if let Some(step) = step {
+            knowledge.forget_views_before(self.predictor.views_from(step));
         }
-        info_span!("fuse").in_scope(|| {
-            let known = heard.iter().filter_map(|h| h.known.as_deref());
-            fuse::fuse(knowledge, known, &self.ager);
-        });
-        let predicted = info_span!("estimate").in_scope(|| match own {
-            Some((step, _)) => self.predictor.predict(knowledge, step),
-            None => self.predictor.still(knowledge),
-        });
-        let measured = own.map(|(_, measured)| measured);
         look(knowledge, measured, &heard);
-        let evidence = info_span!("fuse").in_scope(|| self.evidence(knowledge, measured, &heard));
-        info_span!("estimate").in_scope(|| correct::correct(knowledge, &predicted, &evidence));
-        let inconsistent = knowledge.restart_empty_sets();
         let identified =
             knowledge.targets.keys().filter(|j| before.binary_search(j).is_err()).copied();
-        Changes { identified: identified.collect(), inconsistent }
+        Changes { identified: identified.collect(), inconsistent, liars }
     }
 
-    /// All evidence about the step of the knowledge, oldest first and by sender.
-    fn evidence(
-        &self,
-        knowledge: &Knowledge,
-        own: Option<&Measured>,
-        heard: &[ReceivedFact],
-    ) -> Vec<Evidence> {
-        let now = knowledge.step;
-        let known = heard.iter().filter_map(|h| h.known.as_deref());
-        let margins: Vec<_> = known.map(|known| fuse::margin_news(knowledge, known)).collect();
-        let fresh = own.map(|measured| ((now, self.own), Evidence::fresh(measured)));
-        let aged = heard.iter().map(|h| ((h.fact.step, h.src), self.ager.evidence(&h.fact, now)));
+    /// Takes sets to the step of the news, and applies these.
+    ///
+    /// The knowledge of other agents is of earlier steps, so it is merged before the prediction.
+    fn apply(&self, sets: &mut Sets, news: &News<'_>) {
+        if let Some(step) = news.step {
+            self.predictor.catch_up(sets, step);
+        }
+        info_span!("fuse").in_scope(|| fuse::fuse(sets, news.known(), &self.ager));
+        let predicted = info_span!("estimate").in_scope(|| self.predictor.predict(sets, news.step));
+        let evidence = info_span!("fuse").in_scope(|| self.evidence(sets, news));
+        info_span!("estimate").in_scope(|| correct::correct(sets, &predicted, &evidence));
+    }
+
+    /// All evidence about the step of the sets, oldest first and by sender.
+    fn evidence(&self, sets: &Sets, news: &News<'_>) -> Vec<Evidence> {
+        let now = sets.step;
+        let margins: Vec<_> = news.known().map(|known| fuse::margin_news(sets, known)).collect();
+        let fresh = news.measured.map(|measured| ((now, self.own), Evidence::fresh(measured)));
+        let heard = news.heard.iter();
+        let aged = heard.map(|h| ((h.fact.step, h.src), self.ager.evidence(&h.fact, now)));
         let mut evidence: Vec<_> = aged.chain(fresh).collect();
         evidence.sort_by_key(|(stamp, _)| *stamp);
         margins.into_iter().chain(evidence.into_iter().map(|(_, evidence)| evidence)).collect()
+    }
+}
+
+/// What is new.
+#[derive(Debug, Clone, Copy)]
+struct News<'a> {
+    /// The step of the own frame, if there is one.
+    step: Option<Step>,
+    /// What that frame proved; `None` where that does not count.
+    measured: Option<&'a Measured>,
+    /// The messages, in the order of their steps.
+    heard: &'a [ReceivedFact],
+}
+
+impl<'a> News<'a> {
+    /// The knowledge in the messages.
+    fn known(&self) -> impl Iterator<Item = &'a Known> + use<'a> {
+        self.heard.iter().filter_map(|h| h.known.as_deref())
     }
 }
 

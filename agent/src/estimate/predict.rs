@@ -1,11 +1,11 @@
-//! Prediction (4.24)-(4.27): the knowledge of one step at the next step.
+//! Prediction (4.24)-(4.27): the sets of one step at the next step.
 
 use std::collections::BTreeMap;
 
 use csat_proto::ids::TargetId;
 use csat_proto::time::Step;
 
-use super::state::Knowledge;
+use super::sets::Sets;
 use crate::config::AgentConfig;
 use crate::mutant::{Mutant, is_on};
 use crate::region::{Grown, Outer, Reach};
@@ -55,56 +55,61 @@ impl Predictor {
         }
     }
 
-    /// Takes the knowledge to the step before `step`.
+    /// Takes sets to the step before `step`.
     ///
     /// An agent that missed frames grows its sets for each of them, because the targets moved.
-    pub fn catch_up(&self, knowledge: &mut Knowledge, step: Step) {
+    pub fn catch_up(&self, sets: &mut Sets, step: Step) {
         let behind = if is_on(Mutant::GapOnePeriodShort) { 2 } else { 1 };
-        while knowledge.step.0 + behind < step.0 {
-            let Predicted { targets, unexplored } = self.grown(knowledge);
-            knowledge.targets = targets.iter().map(|(&j, set)| (j, set.resolved())).collect();
+        while sets.step.0 + behind < step.0 {
+            let Predicted { targets, unexplored } = self.grown(sets);
+            sets.targets = targets.iter().map(|(&j, set)| (j, set.resolved())).collect();
             if !is_on(Mutant::GapGrowsTargetsOnly) {
-                knowledge.unexplored = unexplored.resolved();
+                sets.unexplored = unexplored.resolved();
             }
-            knowledge.step.0 += 1;
+            sets.step.0 += 1;
         }
     }
 
-    /// Takes the knowledge to `step` and returns its predicted sets; the sets of the knowledge itself
-    /// are those of the step before until they are corrected. X° stays (4.27).
-    pub fn predict(&self, knowledge: &mut Knowledge, step: Step) -> Predicted {
-        self.catch_up(knowledge, step);
+    /// Takes sets to `step`, or without it leaves them at their step, and returns them as predicted;
+    /// the sets themselves are those of the step before until they are corrected. X° stays (4.27).
+    pub fn predict(&self, sets: &mut Sets, step: Option<Step>) -> Predicted {
+        let Some(step) = step else { return self.still(sets) };
+        self.catch_up(sets, step);
         // The first frame is of the first step of the knowledge: no target has moved yet.
-        let predicted = if step > knowledge.step && !is_on(Mutant::NoPrediction) {
-            self.grown(knowledge)
+        let predicted = if step > sets.step && !is_on(Mutant::NoPrediction) {
+            self.grown(sets)
         } else {
-            self.still(knowledge)
+            self.still(sets)
         };
-        knowledge.step = knowledge.step.max(step);
-        knowledge.forget_views_before(Step((step.0 + 1).saturating_sub(self.hidden_steps)));
+        sets.step = sets.step.max(step);
         predicted
     }
 
-    /// The sets of the knowledge as they are.
-    pub fn still(&self, knowledge: &Knowledge) -> Predicted {
-        let still = |set: &Outer| Grown::still(set, knowledge.ground());
-        let targets = knowledge.targets.iter();
+    /// The first step whose views are remembered at `step`.
+    pub fn views_from(&self, step: Step) -> Step {
+        Step((step.0 + 1).saturating_sub(self.hidden_steps))
+    }
+
+    /// The sets as they are.
+    fn still(&self, sets: &Sets) -> Predicted {
+        let still = |set: &Outer| Grown::still(set, sets.ground());
+        let targets = sets.targets.iter();
         Predicted {
             targets: targets.map(|(&j, set)| (j, still(set))).collect(),
-            unexplored: still(&knowledge.unexplored),
+            unexplored: still(&sets.unexplored),
         }
     }
 
-    fn grown(&self, knowledge: &Knowledge) -> Predicted {
-        let ground = knowledge.ground();
+    fn grown(&self, sets: &Sets) -> Predicted {
+        let ground = sets.ground();
         let grown = |set: &Outer| {
             let set = set.clone().limited(self.max_vertices, ground);
             Grown::new(&set, self.simplify_m, &self.reach, ground)
         };
-        let targets = knowledge.targets.iter();
+        let targets = sets.targets.iter();
         Predicted {
             targets: targets.map(|(&j, set)| (j, grown(set))).collect(),
-            unexplored: grown(&knowledge.unexplored),
+            unexplored: grown(&sets.unexplored),
         }
     }
 }

@@ -1,80 +1,64 @@
 //! The knowledge of an agent.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
+use std::ops::{Deref, DerefMut};
 
-use csat_proto::ids::TargetId;
+use csat_proto::ids::AgentId;
 use csat_proto::raster::Raster;
-use csat_proto::region::Region;
 use csat_proto::time::Step;
 use xxhash_rust::xxh3::Xxh3Default;
 
 use super::oem::Oem;
+use super::origins::Origins;
+use super::sets::Sets;
 use crate::config::AgentConfig;
-use crate::region::{Inner, Outer};
 
 /// What agent i knows at step k.
-///
-/// The guarantee: a target in [`Self::targets`] is inside its set, every other one is inside
-/// [`Self::unexplored`].
 #[derive(Debug, Clone)]
 pub struct Knowledge {
-    /// k.
-    pub step: Step,
-    /// L_i and X_ij, outer.
-    pub targets: BTreeMap<TargetId, Outer>,
-    /// X̄_i, outer: contains the location of every target not in L_i.
-    pub unexplored: Outer,
-    /// X°_i, inner: contains no target location at any step.
-    pub margin: Inner,
+    /// What is guaranteed.
+    pub sets: Sets,
     /// M_i.
     pub oem: Oem,
     /// X^h (5.43): ground that was hidden and has not been seen since.
     pub hidden: Raster,
+    /// Which agent proves what, where some of them may lie.
+    pub(super) origins: Option<Box<Origins>>,
     recent_views: VecDeque<FleetView>,
     /// Views of earlier steps are dropped.
     views_from: Step,
-    ground: Region,
-    simplify_margin_m: f64,
-    max_vertices: usize,
+}
+
+impl Deref for Knowledge {
+    type Target = Sets;
+
+    fn deref(&self) -> &Sets {
+        &self.sets
+    }
+}
+
+impl DerefMut for Knowledge {
+    fn deref_mut(&mut self) -> &mut Sets {
+        &mut self.sets
+    }
 }
 
 impl Knowledge {
     /// The start: nothing identified, everything unexplored.
     pub fn at_start(config: &AgentConfig) -> Self {
-        let ground = Region::rectangle(config.ground.size_m);
         Self {
-            step: Step(0),
-            targets: BTreeMap::new(),
-            unexplored: Outer::containing(ground.clone()),
-            margin: Inner::default(),
+            sets: Sets::at_start(config),
             oem: Oem::unexplored(config.oem_grid()),
             hidden: Raster::empty(config.raster_grid()),
+            origins: (config.exchange.liars > 0).then(|| Box::new(Origins::at_start(config))),
             recent_views: VecDeque::new(),
             views_from: Step(0),
-            simplify_margin_m: config.estimator.simplify_margin_m,
-            max_vertices: config.estimator.max_vertices as usize,
-            ground,
         }
     }
 
-    /// X_g.
-    pub fn ground(&self) -> &Region {
-        &self.ground
-    }
-
-    /// The set that is known to contain a target: X_ij, or X̄_i if j is not identified.
-    pub fn set_of(&self, target: TargetId) -> &Outer {
-        self.targets.get(&target).unwrap_or(&self.unexplored)
-    }
-
-    /// X° ∪= parts (4.28), simplified inward.
-    pub(super) fn learn_margin<'a>(&mut self, parts: impl IntoIterator<Item = &'a Inner>) {
-        let new: Vec<&Inner> = parts.into_iter().filter(|part| !part.is_empty()).collect();
-        if !new.is_empty() {
-            let margin = std::mem::take(&mut self.margin);
-            let margin = margin.absorbing(&new, self.simplify_margin_m);
-            self.margin = margin.limited(self.max_vertices);
-        }
+    /// The agents that were proven to have said something false, where some may lie.
+    pub fn liars(&self) -> impl Iterator<Item = AgentId> + '_ {
+        self.origins.iter().flat_map(|origins| origins.named())
     }
 
     /// Notes the ground that was hidden to an agent and the ground that it saw at `step` (5.43),
@@ -125,30 +109,10 @@ impl Knowledge {
         union
     }
 
-    /// Restarts sets that became empty at X_g \ X° and returns their targets: an empty set proves
-    /// that an assumption failed or that a message was false.
-    pub(super) fn restart_empty_sets(&mut self) -> Vec<TargetId> {
-        let empty: Vec<TargetId> =
-            self.targets.iter().filter(|(_, set)| set.is_empty()).map(|(&j, _)| j).collect();
-        if !empty.is_empty() {
-            let anywhere = Outer::containing(self.ground.clone()).minus([&self.margin]);
-            for j in &empty {
-                self.targets.insert(*j, anywhere.clone());
-            }
-        }
-        empty
-    }
-
     /// A hash of all fields above: equal digests mean equal knowledge.
     pub fn digest(&self) -> u64 {
         let mut hasher = Xxh3Default::new();
-        hasher.update(&self.step.0.to_le_bytes());
-        for (target, set) in &self.targets {
-            hasher.update(&target.0.to_le_bytes());
-            hash_region(&mut hasher, set.region());
-        }
-        hash_region(&mut hasher, self.unexplored.region());
-        hash_region(&mut hasher, self.margin.region());
+        self.sets.hash(&mut hasher);
         for delta in self.oem.known() {
             hasher.update(&delta.cell.to_le_bytes());
             hasher.update(&delta.state.code().to_le_bytes());
@@ -157,6 +121,9 @@ impl Knowledge {
             for word in self.hidden.row(row) {
                 hasher.update(&word.to_le_bytes());
             }
+        }
+        if let Some(origins) = &self.origins {
+            origins.hash(&mut hasher);
         }
         hasher.digest()
     }
@@ -168,20 +135,6 @@ struct FleetView {
     step: Step,
     hidden: Raster,
     seen: Raster,
-}
-
-fn hash_region(hasher: &mut Xxh3Default, region: &Region) {
-    for shape in region.shapes() {
-        hasher.update(&(shape.len() as u64).to_le_bytes());
-        for ring in shape {
-            hasher.update(&(ring.len() as u64).to_le_bytes());
-            for p in ring {
-                hasher.update(&p.x.to_le_bytes());
-                hasher.update(&p.y.to_le_bytes());
-            }
-        }
-    }
-    hasher.update(&u64::MAX.to_le_bytes());
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Which messages of other agents are believed, and facts kept until they can be applied.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use csat_proto::agent::FIRST_ANSWER;
@@ -23,6 +23,8 @@ pub struct Receiver {
     /// The newest incarnation of each agent of which a message was believed.
     incarnations: BTreeMap<AgentId, Incarnation>,
     waiting: Vec<ReceivedFact>,
+    /// The agents that were proven to have said something false.
+    liars: BTreeSet<AgentId>,
 }
 
 /// A message that passed the checks that are the same for every receiver at a step.
@@ -96,7 +98,12 @@ pub enum Received {
 impl Receiver {
     /// A receiver without any message.
     pub fn new(config: &AgentConfig) -> Self {
-        Self { config: config.clone(), incarnations: BTreeMap::new(), waiting: Vec::new() }
+        Self {
+            config: config.clone(),
+            incarnations: BTreeMap::new(),
+            waiting: Vec::new(),
+            liars: BTreeSet::new(),
+        }
     }
 
     /// Keeps the facts of a message for the next update, unless it repeats what is in `held` or waits
@@ -111,6 +118,9 @@ impl Receiver {
     ) -> Result<Received, Rejection> {
         let CheckedMessage { identity, src, incarnation, sequence, p_world, ref body } = *message;
         validate::check_sender(&self.config, src)?;
+        if self.liars.contains(&src) {
+            return Err(Rejection::Liar { from: src.0 });
+        }
         let known = self.incarnations.get(&src).copied().unwrap_or_default();
         if incarnation < known && !is_on(Mutant::StaleIncarnationAccepted) {
             return Err(Rejection::Incarnation { got: incarnation.0, known: known.0 });
@@ -143,6 +153,14 @@ impl Receiver {
     pub fn believe(&mut self, src: AgentId, incarnation: Incarnation) {
         let known = self.incarnations.entry(src).or_default();
         *known = incarnation.max(*known);
+    }
+
+    /// An agent was proven to have said something false: none of its messages is believed any more.
+    pub fn ignore(&mut self, liar: AgentId) {
+        if !is_on(Mutant::NamedLiarHeard) {
+            self.waiting.retain(|h| h.src != liar);
+            self.liars.insert(liar);
+        }
     }
 
     /// The number of facts that all agents can state within the accepted age, one per agent and step.

@@ -4,7 +4,8 @@
 //! missing if it held more when the digest was made, and had done so for longer than a message may be
 //! in flight. It resends cells of the map in its next facts, and everything else in a snapshot. All
 //! agents see the same digest, so they take turns: the next agent by index answers at once, the
-//! others only if the digest does not improve.
+//! others only if the digest does not improve. Where some agents may lie, each resends its own facts
+//! only, and none waits for another.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -31,6 +32,9 @@ pub struct Repair {
     agents: u16,
     /// Number of UAVs; facts of the other agents prove nothing.
     uavs: u16,
+    /// Whether each agent resends its own facts only: where some agents may lie, what another agent
+    /// says of them does not replace them.
+    only_own: bool,
     /// Steps that a message may be in flight.
     delay: u32,
     period: u32,
@@ -60,6 +64,7 @@ impl Repair {
             own: config.id,
             agents: config.agents(),
             uavs: config.fleet.count,
+            only_own: config.exchange.liars > 0,
             delay: steps(config.exchange.repair_delay_s),
             period: steps(config.exchange.repair_period_s),
             max_age: steps(config.exchange.max_age_s),
@@ -193,7 +198,10 @@ impl Repair {
         let later = self.past.partition_point(|(step, _)| step.after(self.delay) <= then);
         let held = self.past.range(..later).next_back().into_iter().flat_map(|(_, facts)| facts);
         let is_own = |facts: &HeldFacts| (facts.origin, facts.incarnation) == from;
-        let is_needed = |facts: &&HeldFacts| !is_own(facts) && facts.origin.0 < self.uavs;
+        let is_needed = |facts: &&HeldFacts| {
+            let is_mine = facts.origin == self.own || !self.only_own;
+            !is_own(facts) && facts.origin.0 < self.uavs && is_mine
+        };
         held.filter(is_needed).any(|ours| {
             let key = (ours.origin, ours.incarnation);
             let index = theirs.binary_search_by_key(&key, |f| (f.origin, f.incarnation));
@@ -203,6 +211,9 @@ impl Repair {
 
     /// The turn of this agent among those that answer `from`.
     fn turn(&self, from: AgentId) -> u32 {
+        if self.only_own {
+            return 0;
+        }
         let all = u32::from(self.agents.max(2));
         let turn = (u32::from(self.own.0) + all - u32::from(from.0) % all + all - 1) % all;
         turn.min(TURNS - 1)
@@ -225,6 +236,7 @@ mod tests {
             own: AgentId(own),
             agents: 4,
             uavs: 4,
+            only_own: false,
             delay: DELAY,
             period: 10,
             max_age: 100,

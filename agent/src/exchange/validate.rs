@@ -38,6 +38,12 @@ pub enum Rejection {
         /// The newest one of that agent.
         known: u32,
     },
+    /// The sender was proven to have said something false.
+    #[error("agent {from} was proven to have said something false")]
+    Liar {
+        /// The sender's index.
+        from: u16,
+    },
     /// Its step is later than a clock error can explain.
     #[error("step {got} is ahead of step {now}")]
     Future {
@@ -132,6 +138,7 @@ impl Rejection {
             Self::Run => "run",
             Self::Sender { .. } => "sender",
             Self::Incarnation { .. } => "incarnation",
+            Self::Liar { .. } => "liar",
             Self::Future { .. } => "future",
             Self::TooOld { .. } => "too-old",
             Self::Malformed => "malformed",

@@ -75,6 +75,14 @@ impl VersionVector {
         }
     }
 
+    /// A snapshot was applied that counts as the claim of `src`, whoever told it what it contains. So
+    /// of the facts that it contains, only those that `src` stated are contained.
+    pub fn adopt_own(&mut self, src: AgentId, incarnation: Incarnation, facts: &[HeldFacts]) {
+        let key = (src, incarnation);
+        let own = facts.iter().filter(|facts| (facts.origin, facts.incarnation) == key);
+        self.adopt(&own.copied().collect::<Vec<_>>());
+    }
+
     /// The entry of an incarnation; a new one replaces the oldest of its agent if there are too many.
     fn entry(&mut self, src: AgentId, incarnation: Incarnation) -> &mut VersionEntry {
         let key = (src, incarnation);

@@ -196,6 +196,13 @@ impl Scheduler {
         Ok(())
     }
 
+    /// Forgets the plans of another UAV, and waits for none of it.
+    pub fn forget(&mut self, uav: AgentId) {
+        if let Some(neighbour) = self.fleet.get_mut(usize::from(uav.0)) {
+            *neighbour = Neighbour { silent: true, ..Neighbour::default() };
+        }
+    }
+
     /// Checks a plan. A plan from the far future would otherwise displace all later plans.
     fn check(&self, from: AgentId, plan: &Plan) -> Result<(), PlanError> {
         let index = usize::from(from.0);

@@ -5,7 +5,7 @@
 //!
 //! | operation | result |
 //! |---|---|
-//! | `Outer ∩ Outer` | `Outer` |
+//! | `Outer ∩ Outer`, [`Outer::in_all_but`] | `Outer` |
 //! | `Outer \ Inner` | `Outer` |
 //! | `Inner ∪ Inner` | `Inner` |
 //! | `Inner` without anything | `Inner` |
@@ -37,6 +37,7 @@ mod inner;
 mod limit;
 mod outer;
 mod reach;
+mod relaxed;
 mod simplify;
 mod sweep;
 mod vector;

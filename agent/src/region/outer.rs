@@ -90,7 +90,7 @@ impl Outer {
 }
 
 /// The shapes whose boxes meet `bounds`.
-fn shapes_meeting<'a>(
+pub(super) fn shapes_meeting<'a>(
     regions: impl Iterator<Item = &'a Region>,
     bounds: &GridBox,
 ) -> Vec<&'a Shape> {

@@ -12,5 +12,6 @@ mod limit;
 mod limits;
 mod oracle;
 mod reach;
+mod relaxed;
 mod shapes;
 mod simplify;

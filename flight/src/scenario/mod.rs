@@ -37,7 +37,7 @@ use csat_world::world::World;
 
 pub use map_file::MapText;
 pub use mistake::{Mistake, Mistakes, did_you_mean, quoted_list, similar};
-pub use model::{RunConfig, SET_MEMBERSHIP, Scenario};
+pub use model::{FaultsConfig, RunConfig, SET_MEMBERSHIP, Scenario};
 use source::{Place, Source, Sources};
 pub use tracks_file::TracksText;
 use tree::Node;

@@ -9,6 +9,7 @@ use csat_netem::link::Links;
 use csat_proto::camera::CameraModel;
 use csat_proto::ids::{AgentId, Incarnation, RunId};
 use csat_proto::model::{FleetModel, Ground, Station, TargetsModel};
+use csat_world::lie::Liar;
 use csat_world::map::MapConfig;
 use csat_world::world::{World, WorldConfig, WorldErrors};
 use serde::de::DeserializeOwned;
@@ -41,13 +42,15 @@ pub struct Scenario {
     pub agents: FleetModel,
     /// `[camera]`.
     pub camera: CameraModel,
-    /// `[estimator]` of the set-membership mission, as the two below; another mission's table of the same name
+    /// `[estimator]` of the set-membership mission, as the next three; another mission's table of the same name
     /// is in `own`.
     pub estimator: EstimatorConfig,
     /// `[guidance]`.
     pub guidance: GuidanceConfig,
     /// `[exchange]`.
     pub exchange: ExchangeConfig,
+    /// `[faults]`: which UAVs lie.
+    pub faults: FaultsConfig,
     /// `[netem]`: what the links do.
     pub netem: NetemConfig,
     /// The tables of the scenario's mission, but for those above.
@@ -70,10 +73,19 @@ impl Default for Scenario {
             estimator: EstimatorConfig::default(),
             guidance: GuidanceConfig::default(),
             exchange: ExchangeConfig::default(),
+            faults: FaultsConfig::default(),
             netem: NetemConfig::default(),
             own: toml::Table::new(),
         }
     }
+}
+
+/// `[faults]`: what is wrong with UAVs.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FaultsConfig {
+    /// `[[faults.liar]]`: the UAVs that lie.
+    pub liar: Vec<Liar>,
 }
 
 /// `[run]`: how long.
@@ -166,6 +178,7 @@ impl Scenario {
             odometry: None,
             observer: None,
             segmentation: None,
+            liars: self.faults.liar.clone(),
             period_s: self.run.period_s,
         };
         if let Some(mission) = missions::find(&self.mission) {
@@ -217,4 +230,4 @@ impl Scenario {
 pub const SET_MEMBERSHIP: &str = "set-membership";
 
 /// The tables of the set-membership mission.
-pub(super) const OF_SET_MEMBERSHIP: [&str; 3] = ["estimator", "guidance", "exchange"];
+pub(super) const OF_SET_MEMBERSHIP: [&str; 4] = ["estimator", "guidance", "exchange", "faults"];

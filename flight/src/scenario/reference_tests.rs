@@ -31,9 +31,19 @@ fn known(heading: &str, mission: &dyn Listed) -> BTreeSet<String> {
 
 #[test]
 fn every_key_is_documented_and_every_documented_key_is_there() {
-    let tables: BTreeSet<&str> =
-        ["run", "map", "targets", "agents", "camera", "estimator", "guidance", "exchange", "netem"]
-            .into();
+    let tables: BTreeSet<&str> = [
+        "run",
+        "map",
+        "targets",
+        "agents",
+        "camera",
+        "estimator",
+        "guidance",
+        "exchange",
+        "faults",
+        "netem",
+    ]
+    .into();
     for Section { heading, mission, rows } in sections() {
         let mut documented: BTreeSet<String> =
             rows.into_iter().map(|row| row.key.to_owned()).collect();

@@ -7,6 +7,7 @@ mod camera;
 pub mod clearing;
 mod cost;
 mod exchange;
+mod faults;
 mod fleet;
 mod pose;
 mod targets;
@@ -36,7 +37,7 @@ const MAX_TIME_S: f64 = 1e6;
 
 /// The keys of whole numbers with what they may be: said in the same words to a user who writes 0, -1, 1.5
 /// and a million.
-const WHOLE_NUMBERS: [(&str, RangeInclusive<u64>, &str); 11] = [
+const WHOLE_NUMBERS: [(&str, RangeInclusive<u64>, &str); 12] = [
     ("agents.count", 1..=1024, "a whole number from 1 to 1024"),
     ("targets.count", 0..=1024, "a whole number from 0 to 1024"),
     ("camera.columns", 1..=65535, "a whole number from 1 to 65535"),
@@ -48,6 +49,7 @@ const WHOLE_NUMBERS: [(&str, RangeInclusive<u64>, &str); 11] = [
     ("guidance.str4.beam", 1..=1024, "a whole number from 1 to 1024"),
     ("guidance.str4.first_look", 0..=1000, "a whole number from 0 to 1000"),
     ("exchange.max_vertices", 4..=u64::MAX, "a whole number, 4 or more"),
+    ("exchange.liars", 0..=1023, "a whole number, fewer than agents.count"),
 ];
 
 /// What is expected of a key whose value is a whole number within limits.
@@ -85,6 +87,8 @@ fn of_any_mission(scenario: &Scenario) -> Check {
     let needs_labels = missions::find(&scenario.mission).is_none_or(|m| m.needs_labels());
     if needs_labels {
         camera::judge_labels(&mut check, scenario, is_fleet && is_clean);
+    } else {
+        camera::judge_nameless(&mut check, scenario);
     }
     check
 }
@@ -116,6 +120,7 @@ pub fn of_set_membership(scenario: &Scenario) -> Vec<Issue> {
         room_to_turn(&mut check, scenario);
     }
     exchange::judge(&mut check, &scenario.exchange, &scenario.netem, period_s);
+    faults::judge(&mut check, scenario);
     if before.0.iter().chain(&check.0).all(|issue| issue.is_warning) {
         cost::judge(&mut check, scenario, period_s);
     }

@@ -69,6 +69,10 @@ pub const COLUMNS: &[Column] = &[
             "thesis (6.1)-(6.3)",
         )
         .in_summary(),
+    Column::of_agent("liars_named", "agents named as liars", "agents")
+        .defined("agents that it has proven to have said something false ([liars.md](liars.md))", "")
+        .count()
+        .of_stations(),
     Column::of_agent("vertices", "vertices of sets", "corners")
         .defined("of all its sets together", "")
         .count(),
@@ -88,6 +92,14 @@ pub const COLUMNS: &[Column] = &[
             Plot::less("Ground that the UAVs together leave unexplored", "unexplored by the fleet, %", PCT)
                 .up_to(100.0),
         ),
+    Column::of_fleet("false_agents", "agents with false frames", "agents")
+        .defined(
+            "whose cameras have shown something false so far: liars, and those that took a target for another one; the \
+             guarantee is not demanded of them",
+            "",
+        )
+        .count()
+        .last_as("false_agents"),
     Column::of_fleet("targets_in_fov", "targets in a footprint", "targets")
         .defined(
             "whose true location lies in the footprint of at least one UAV",

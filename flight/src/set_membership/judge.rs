@@ -1,7 +1,9 @@
-//! What the mission promises: every target lies in the set of every agent.
+//! What the mission promises: every target lies in the set of every agent, and no honest agent is named
+//! as a liar. It is demanded of the agents whose own frames were true so far.
 
 use csat_agent::mutant::{Mutant, is_on};
 use csat_mission::judge::{Broken, Judge, Judged, Promise, Truth};
+use csat_mission::measures::Values;
 use csat_proto::ids::{AgentId, TargetId};
 use csat_world::target::TargetTruth;
 use serde_json::{Map, json};
@@ -14,16 +16,27 @@ pub const TOLERANCE_M: f64 = 1e-3;
 /// The key of the guarantee.
 pub const GUARANTEE: &str = "guarantee";
 
-/// All that the mission promises.
-pub const PROMISES: &[Promise] =
-    &[Promise { key: GUARANTEE, broken: "a target outside the set of an agent" }];
+/// The key of the promise about liars.
+pub const ACCUSATION: &str = "accusation";
 
-/// Checks of every report that it admits every target where it is.
+/// All that the mission promises.
+pub const PROMISES: &[Promise] = &[
+    Promise { key: GUARANTEE, broken: "a target outside the set of an agent" },
+    Promise { key: ACCUSATION, broken: "an honest agent named as a liar" },
+];
+
+/// Checks of every report that it admits every target where it is, and names liars only.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Containment;
+pub struct Containment {
+    /// How many agents' frames were false so far.
+    false_agents: usize,
+}
 
 impl Judge<Report> for Containment {
     fn judge(&mut self, agent: AgentId, report: &Report, truth: &Truth<'_>) -> Judged {
+        if truth.is_false(agent) {
+            return Judged::default();
+        }
         let outside = truth.targets.iter().filter(|t| !admits(report, t.id, t.location));
         let faults = outside.map(|TargetTruth { id, location, .. }| Broken {
             promise: GUARANTEE,
@@ -33,7 +46,23 @@ impl Judge<Report> for Containment {
                 ("location".to_owned(), json!(location)),
             ]),
         });
-        Judged { faults: faults.collect(), checks: vec![(GUARANTEE, truth.targets.len() as u64)] }
+        let wronged = report.liars.iter().filter(|named| !truth.is_false(**named));
+        let accused =
+            wronged.map(|named| Broken::new(ACCUSATION, agent, json!({ "named": named })));
+        let mut checks = vec![(GUARANTEE, truth.targets.len() as u64)];
+        if !report.liars.is_empty() {
+            checks.push((ACCUSATION, report.liars.len() as u64));
+        }
+        Judged { faults: faults.chain(accused).collect(), checks }
+    }
+
+    fn close(&mut self, truth: &Truth<'_>, _: &[bool]) -> Judged {
+        self.false_agents = truth.is_false.iter().filter(|is_false| **is_false).count();
+        Judged::default()
+    }
+
+    fn fleet(&self) -> Values {
+        vec![("false_agents", Some(self.false_agents as f64))]
     }
 }
 
@@ -76,15 +105,20 @@ mod tests {
             oem_iou_pct: None,
             news_age_s: None,
             pose_error_m: None,
+            liars: vec![AgentId(0)],
             tally: csat_mission::mission::Tally::default(),
             maps: None,
         };
-        let judge = |targets: &[TargetTruth]| {
-            let truth = Truth { step: report.step, targets, poses: &[] };
-            Containment.judge(AgentId(1), &report, &truth)
+        let judge_of = |agent, targets: &[TargetTruth]| {
+            let truth =
+                Truth { step: report.step, targets, poses: &[], is_false: &[true, false, false] };
+            Containment::default().judge(AgentId(agent), &report, &truth)
         };
+        let judge = |targets: &[TargetTruth]| judge_of(1, targets);
         let good = judge(&[at(0, 0.5, 1.000_9), at(1, 55.0, 55.0)]);
-        assert_eq!((good.checks, good.faults), (vec![(GUARANTEE, 2)], Vec::new()));
+        let checks = vec![(GUARANTEE, 2), (ACCUSATION, 1)];
+        assert_eq!((good.checks, good.faults), (checks, Vec::new()));
+        assert_eq!(judge_of(0, &[at(0, 9.0, 9.0)]).checks, [], "nothing is demanded of a liar");
         let bad = judge(&[at(0, 0.5, 1.001_1), at(1, 0.5, 0.5), at(2, f64::NAN, 55.0)]);
         let blamed: Vec<&serde_json::Value> =
             bad.faults.iter().map(|fault| &fault.detail["target"]).collect();
@@ -93,5 +127,27 @@ mod tests {
         let expected =
             json!({"kind": "guarantee", "agent": 1, "target": 0, "location": [0.5, 1.001_1]});
         assert_eq!(line, expected);
+    }
+
+    #[test]
+    fn who_names_an_honest_agent_breaks_a_promise() {
+        let mut mission = crate::set_membership::SetMembership::new(&Default::default());
+        let report = blank(&mut mission, vec![AgentId(0), AgentId(2)]);
+        let truth =
+            Truth { step: report.step, targets: &[], poses: &[], is_false: &[false, false, true] };
+        let mut judge = Containment::default();
+        let judged = judge.judge(AgentId(1), &report, &truth);
+        let [fault] = &judged.faults[..] else { panic!("{:?}", judged.faults) };
+        assert_eq!((fault.promise, fault.detail["named"].clone()), (ACCUSATION, json!(0)));
+        assert_eq!(judged.checks, [(GUARANTEE, 0), (ACCUSATION, 2)]);
+        judge.close(&truth, &[true; 3]);
+        assert_eq!(judge.fleet(), [("false_agents", Some(1.0))]);
+    }
+
+    /// A report at the start, but for whom it names.
+    fn blank(mission: &mut crate::set_membership::SetMembership, liars: Vec<AgentId>) -> Report {
+        use csat_mission::mission::{Detail, Mission};
+        let mut agent = mission.agent(AgentId(1), csat_proto::ids::Incarnation(0));
+        Report { liars, ..mission.report(&mut agent, &Pose::default(), Detail::Brief) }
     }
 }

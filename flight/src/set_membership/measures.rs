@@ -81,6 +81,7 @@ pub fn stats(ground: &Ground, report: &Report) -> Values {
         ("oem_iou_pct", report.oem_iou_pct),
         ("news_age_s", report.news_age_s),
         ("pose_error_m", report.pose_error_m),
+        ("liars_named", Some(report.liars.len() as f64)),
         ("vertices", Some(f64::from(report.vertices()))),
     ]
 }

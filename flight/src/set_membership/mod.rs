@@ -74,7 +74,7 @@ impl Mission for SetMembership {
     }
 
     fn judge(&self, _: &World) -> Containment {
-        Containment
+        Containment::default()
     }
 
     fn measures(&self) -> SetMeasures {
@@ -95,5 +95,12 @@ impl Mission for SetMembership {
 
     fn is_inconsistency(&self, event: &Event) -> bool {
         matches!(event, Event::Inconsistent { .. })
+    }
+
+    fn liar_in(&self, event: &Event) -> Option<AgentId> {
+        match event {
+            Event::Liar { liar, .. } => Some(*liar),
+            _ => None,
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use csat_agent::agent::SetMembershipAgent;
 use csat_proto::camera::{Pose, PoseError};
-use csat_proto::ids::TargetId;
+use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::model::Ground;
 use csat_proto::oem::{OemCell, OemPatch};
 use csat_proto::raster::{Grid, Raster};
@@ -40,6 +40,8 @@ pub struct Report {
     pub news_age_s: Option<f64>,
     /// The greater half-width of the box of its position over the ground, metres; `None` where it is exact.
     pub pose_error_m: Option<f64>,
+    /// The agents that it has proven to have said something false, by index.
+    pub liars: Vec<AgentId>,
     /// What it did not believe and did not say.
     pub tally: Tally,
     /// Its maps, where [`Detail::Full`] was asked for.
@@ -88,6 +90,7 @@ impl Report {
             oem_iou_pct: measured.and_then(|m| oem_iou_pct(&m.hidden, &expected)),
             news_age_s: agent.news_age_s(),
             pose_error_m: pose_error_m(agent.pose_error()),
+            liars: agent.liars().collect(),
             tally: Tally { rejected: rejected.collect(), withheld: agent.withheld() },
             maps: (detail == Detail::Full).then(maps),
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use csat_mission::fleet::{Brief, Fleet, Flown, Frames, sensors};
+use csat_mission::fleet::{Brief, Fleet, Flown, Frames, has_misidentified, sensors};
 use csat_mission::mission::{Detail, Mission};
 use csat_mission::timing::{StageTimes, Stopwatch};
 use csat_netem::counters::{Counters, LinkCounters};
@@ -152,6 +152,10 @@ impl<M: Mission> Fleet<M> for RemoteFleet<M> {
 
     fn frames(&self) -> Vec<Frames> {
         self.members.iter().map(Member::frames).collect()
+    }
+
+    fn has_misidentified(&self) -> Vec<bool> {
+        has_misidentified(&self.sensors)
     }
 
     fn refused(&self) -> BTreeMap<String, u64> {

@@ -8,6 +8,7 @@ use csat_netem::config::{
     RateConfig,
 };
 use csat_proto::model::{Driving, Station};
+use csat_world::lie::{Liar, LieKind};
 use csat_world::observer::{Denied, ObserverModel};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -18,6 +19,9 @@ use crate::missions::{small, world_of};
 
 /// Steps with faults.
 const STEPS: u32 = 24;
+
+const LIES: u64 = 0x6c69_6573 << 32;
+const POSES: u64 = 0x706f_7365 << 32;
 
 /// The mission of a seed.
 #[derive(Debug, Clone)]
@@ -57,13 +61,13 @@ impl Draw {
         if rng.random_bool(0.5) {
             scenario.targets.driving = Driving::Evasive;
         }
-        if rng.random_bool(0.35) && !scenario.agents.avoid_buildings {
-            poses(&mut scenario, &mut rng);
-        }
         // Sometimes sets exceed their limit of vertices.
         if rng.random_bool(0.2) {
             scenario.estimator.max_vertices = rng.random_range(50..120);
         }
+        // From streams of their own: what a seed draws besides stays as it was.
+        lies(&mut scenario, &mut ChaCha8Rng::seed_from_u64(seed ^ LIES));
+        poses(&mut scenario, &mut ChaCha8Rng::seed_from_u64(seed ^ POSES));
         Self { scenario, steps: STEPS, healed, core, settle_steps, handicaps }
     }
 
@@ -83,15 +87,20 @@ impl Draw {
             stationed: (!self.scenario.stations.is_empty()).into(),
             uncertain: self.scenario.own.contains_key("pose").into(),
             walled: self.scenario.agents.avoid_buildings.into(),
+            lying: (!self.scenario.faults.liar.is_empty()).into(),
             ..Exercise::default()
         }
     }
 
     /// Whether the core has to agree in the end. It does not where lost facts are not repaired, where
-    /// facts did not fit a budget, and where clocks differ, so that the agents have sets of different
-    /// steps.
+    /// facts did not fit a budget, where clocks differ, so that the agents have sets of different
+    /// steps, and where agents may lie.
     pub fn must_converge(&self) -> bool {
         let exchange = &self.scenario.exchange;
+        // Where some may lie, each agent believes its own frames more than those of others.
+        if exchange.liars > 0 {
+            return false;
+        }
         matches!(exchange.mode, ExchangeMode::FactsRepair | ExchangeMode::Snapshot)
             && exchange.budget_bytes_s.is_infinite()
             && exchange.clock_skew_s == 0.0
@@ -113,6 +122,9 @@ impl Draw {
 
 /// Poses are known to boxes: with errors of some components, rare fixes, and zones without.
 fn poses(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
+    if rng.random_bool(0.75) || scenario.agents.avoid_buildings {
+        return;
+    }
     let error = [2.0, 2.0, 0.5, 0.5, 0.5, 3.0]
         .map(|most| if rng.random_bool(0.6) { rng.random_range(0.0..most) } else { 0.0 });
     let zone = Denied { min_m: [-200.0; 2], max_m: [20.0, 200.0], from_s: 1.0, until_s: 9.0 };
@@ -125,6 +137,23 @@ fn poses(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
     };
     let table = toml::Value::try_from(pose).expect("a model is TOML");
     scenario.own.insert("pose".to_owned(), table);
+}
+
+/// Agents that allow for liars, and no more liars than they allow for.
+fn lies(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
+    if rng.random_bool(0.7) {
+        return;
+    }
+    let uavs = scenario.agents.count;
+    scenario.exchange.liars = rng.random_range(1..=2.min(uavs - 1));
+    let mut kinds = vec![LieKind::Clear, LieKind::Phantom];
+    kinds.extend((scenario.targets.count > 1).then_some(LieKind::Misidentify));
+    let first = rng.random_range(0..uavs);
+    for i in 0..rng.random_range(0..=scenario.exchange.liars) {
+        let (agent, from_s) = ((first + i) % uavs, rng.random_range(0.0..6.0));
+        let kind = kinds[rng.random_range(0..kinds.len())];
+        scenario.faults.liar.push(Liar { agent, from_s, kind });
+    }
 }
 
 /// To keep clear of buildings a UAV must decide in time. Processes that crash or miss frames make no

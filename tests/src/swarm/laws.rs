@@ -11,6 +11,7 @@ use csat_proto::ids::{AgentId, ChannelId, Incarnation, TargetId};
 use csat_proto::message::{Fact, Known, Message};
 use csat_proto::region::{Region, metres};
 use csat_proto::time::Step;
+use csat_world::lie::Liar;
 
 use super::claims::Claims;
 use super::draw::Draw;
@@ -27,6 +28,8 @@ pub struct Laws {
     /// By how many steps each agent's clock is ahead.
     ahead: Vec<u32>,
     misses_frames: bool,
+    /// The first step of the world at which each liar lies.
+    liars: BTreeMap<AgentId, u32>,
     /// The locations of the targets, by step.
     truth: Vec<Vec<[f64; 2]>>,
     /// The checksum of the message of each identity.
@@ -53,6 +56,7 @@ impl Laws {
             clock_skew_s: draw.scenario.exchange.clock_skew_s,
             ahead: draw.handicaps.iter().map(|handicap| handicap.ahead).collect(),
             misses_frames: draw.handicaps.iter().any(|handicap| !handicap.missed.is_empty()),
+            liars: draw.scenario.faults.liar.iter().map(|liar| first_lie(draw, liar)).collect(),
             truth: Vec::new(),
             said: BTreeMap::new(),
             believed: BTreeMap::new(),
@@ -81,11 +85,14 @@ impl Laws {
         if let Some(violation) = trace.violations.first() {
             return Err(format!("violated: {:?}", violation.fault));
         }
+        let honest = trace.events.iter().filter(|(agent, _)| !self.has_lied(*agent));
         if let Some((agent, event)) =
-            trace.events.iter().find(|(_, e)| matches!(e, Event::Inconsistent { .. }))
+            honest.clone().find(|(_, e)| matches!(e, Event::Inconsistent { .. }))
         {
             return Err(format!("UAV {agent}: {event:?}"));
         }
+        let named = trace.events.iter().filter(|(_, e)| matches!(e, Event::Liar { .. }));
+        self.exercise.named += named.count() as u64;
         self.check_monitor(trace)?;
         self.check_said(trace)?;
         for arrival in &trace.arrivals {
@@ -149,7 +156,9 @@ impl Laws {
             match self.said.insert(identity, checksum) {
                 None => {
                     let message = message_of(&envelope)?;
-                    self.check_truth(src, &message)?;
+                    if !self.has_lied(src) {
+                        self.check_truth(src, &message)?;
+                    }
                     self.claims.say(src, incarnation, &message)?;
                 }
                 Some(before) if before == checksum => {}
@@ -157,6 +166,12 @@ impl Laws {
             }
         }
         Ok(())
+    }
+
+    /// Whether an agent has begun to lie by the last step.
+    fn has_lied(&self, agent: AgentId) -> bool {
+        let now = self.truth.len() as u32 - 1;
+        self.liars.get(&agent).is_some_and(|first| *first <= now)
     }
 
     fn check_truth(&self, src: AgentId, message: &Message) -> Result<(), String> {
@@ -264,6 +279,8 @@ impl Laws {
                 return Err(format!("UAV {id}: {rejected:?}, but {} damaged", of(&self.damaged)));
             }
             let mut allowed = vec!["incarnation", "checksum", "envelope", "too-old"];
+            // The monitor checks who is named.
+            allowed.extend((!self.liars.is_empty()).then_some("liar"));
             if self.misses_frames || self.clock_skew_s > 0.0 {
                 // An agent that is behind, by its clock or by missed frames, may reject messages of
                 // later steps.
@@ -275,6 +292,12 @@ impl Laws {
         }
         Ok(())
     }
+}
+
+/// The first step at which a liar lies.
+fn first_lie(draw: &Draw, liar: &Liar) -> (AgentId, u32) {
+    let first = (liar.from_s / draw.scenario.run.period_s).ceil();
+    (AgentId(liar.agent), first as u32)
 }
 
 /// The message in an envelope.

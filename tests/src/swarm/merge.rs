@@ -10,6 +10,7 @@ use csat_agent::identity::Identity;
 use csat_mission::engine::StepTrace;
 use csat_proto::agent::FIRST_ANSWER;
 use csat_proto::envelope::Envelope;
+use csat_proto::ids::AgentId;
 use csat_proto::message::Message;
 
 use super::{Handicapped, Swarm};
@@ -29,7 +30,8 @@ pub fn check(engine: &Swarm, trace: &StepTrace<Handicapped>) -> Result<u64, Stri
     let heard = trace.arrivals.iter().filter(|a| usize::from(a.dst.0) == index);
     let mut heard = heard.filter_map(|arrival| decode(&arrival.bytes));
     let (Some(a), Some(b)) = (heard.next(), heard.next()) else { return Ok(0) };
-    if !node.is_alive() {
+    // Where own frames are false, it is a matter of order which of the others they accuse first.
+    if !node.is_alive() || engine.is_false(AgentId(index as u16)) {
         return Ok(0);
     }
     let estimator = Estimator::new(node.agent.inner.config());

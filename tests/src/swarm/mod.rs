@@ -74,6 +74,10 @@ pub struct Exercise {
     pub uncertain: u64,
     /// Missions among buildings higher than the flights.
     pub walled: u64,
+    /// Missions in which agents lied.
+    pub lying: u64,
+    /// How often an agent named a liar.
+    pub named: u64,
 }
 
 impl Exercise {
@@ -98,6 +102,8 @@ impl Exercise {
             stationed: self.stationed + other.stationed,
             uncertain: self.uncertain + other.uncertain,
             walled: self.walled + other.walled,
+            lying: self.lying + other.lying,
+            named: self.named + other.named,
         }
     }
 }

@@ -24,6 +24,7 @@ pub(crate) enum NoisePurpose {
     Boxes = 1,
     Sighting = 2,
     Segmentation = 3,
+    Misidentification = 4,
 }
 
 impl Stream {
@@ -112,6 +113,7 @@ mod tests {
             stream.rng(NoisePurpose::Boxes),
             stream.rng(NoisePurpose::Sighting),
             stream.rng(NoisePurpose::Segmentation),
+            stream.rng(NoisePurpose::Misidentification),
             Stream { seed: 2, ..stream }.rng(NoisePurpose::Depth),
             Stream { agent: AgentId(3), ..stream }.rng(NoisePurpose::Depth),
             Stream { step: Step(4), ..stream }.rng(NoisePurpose::Depth),
@@ -119,6 +121,6 @@ mod tests {
         let mut first: Vec<u64> = all.into_iter().map(|mut rng| rng.next_u64()).collect();
         first.sort_unstable();
         first.dedup();
-        assert_eq!(first.len(), 7);
+        assert_eq!(first.len(), 8);
     }
 }

@@ -22,6 +22,7 @@ const MODEL: CameraModel = CameraModel {
     min_pixels: 3,
     box_error_px: 0,
     assumption: csat_proto::camera::Assumption::EveryRay,
+    misidentify: 0.0,
 };
 
 fn town(seed: u64) -> (Scene, Pose) {

@@ -21,6 +21,7 @@ const SMALL: CameraModel = CameraModel {
     min_pixels: 10,
     box_error_px: 0,
     assumption: Assumption::EveryRay,
+    misidentify: 0.0,
 };
 /// Looks straight down.
 const NADIR: CameraModel = CameraModel { tilt_deg: 90.0, ..SMALL };

@@ -36,7 +36,23 @@ pub(super) fn judge(check: &mut Check, camera: &CameraModel) -> bool {
         &format!("[{lo}, {hi}]"),
         "an interval around 0 that begins above -1",
     );
+    let p = camera.misidentify;
+    check.that(
+        (0.0..=1.0).contains(&p),
+        &["camera.misidentify"],
+        &p.to_string(),
+        "a probability from 0 to 1",
+    );
     check.0.len() == before
+}
+
+/// Refuses mistakes of identity in a mission in which cameras do not identify targets.
+pub(super) fn judge_nameless(check: &mut Check, scenario: &Scenario) {
+    let (p, mission) = (scenario.camera.misidentify, &scenario.mission);
+    if (0.0..=1.0).contains(&p) {
+        let why = format!("in the mission `{mission}`, whose cameras identify no targets");
+        check.unused(&["camera.misidentify"], [p, 0.0], &why);
+    }
 }
 
 /// Judges a camera whose pixels are labelled: the steps of its depths, and its pixels on a car if the rest is in

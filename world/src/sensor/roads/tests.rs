@@ -22,6 +22,7 @@ fn camera() -> CameraModel {
         min_pixels: 1,
         box_error_px: 0,
         assumption: Assumption::EveryRay,
+        misidentify: 0.0,
     }
 }
 
