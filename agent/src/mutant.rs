@@ -92,7 +92,7 @@ pub enum Mutant {
 
 impl Mutant {
     /// All of them.
-    pub const ALL: [Self; 35] = [
+    pub const ALL: [Self; 40] = [
         Self::LateSnapshotNotDilated,
         Self::UnexploredWithoutIdentified,
         Self::ExclusionWithoutDetection,

@@ -179,10 +179,10 @@ impl Observer {
     fn predict(&mut self, position: [f64; 2]) {
         let d: [f64; 2] = std::array::from_fn(|axis| position[axis] - self.position[axis]);
         let bound_m = self.model.drift * d[0].hypot(d[1]);
-        for axis in 0..2 {
-            let measured_m = d[axis] + bound_m * self.rng.random_range(-1.0..=1.0);
-            self.span[axis][0] += measured_m - bound_m - ROUNDING;
-            self.span[axis][1] += measured_m + bound_m + ROUNDING;
+        for (moved_m, [low, high]) in d.into_iter().zip(&mut self.span) {
+            let measured_m = moved_m + bound_m * self.rng.random_range(-1.0..=1.0);
+            *low += measured_m - bound_m - ROUNDING;
+            *high += measured_m + bound_m + ROUNDING;
         }
         self.position = position;
     }

@@ -144,10 +144,11 @@ fn observers(config: &WorldConfig, vehicles: &[Box<dyn Vehicle>], seed: u64) -> 
         return Vec::new();
     };
     let model = Arc::new(model.clone());
-    let observer = |(id, uav): (u16, &Box<dyn Vehicle>)| {
-        Observer::new(model.clone(), config.period_s, &uav.pose(), seed, AgentId(id))
-    };
-    (0..).zip(vehicles).map(observer).collect()
+    let poses = vehicles.iter().map(|uav| uav.pose());
+    let ids = (0..).map(AgentId);
+    ids.zip(poses)
+        .map(|(id, pose)| Observer::new(model.clone(), config.period_s, &pose, seed, id))
+        .collect()
 }
 
 impl World {

@@ -32,12 +32,12 @@ pub fn predict_and_correct(recorded: &Recorded) -> String {
     const SIDE_M: f64 = 40.0;
     let (config, step) = (recorded.config(), recorded.step());
     let before = recorded.before.unexplored.clone();
-    let predicted = Predictor::new(config).predict(&mut recorded.before.clone(), step);
+    let predicted = Predictor::new(config).predict(&mut recorded.before.clone(), Some(step));
     let predicted = predicted.unexplored.resolved();
     let mut corrected = recorded.before.clone();
     let own = recorded.agent().measured().map(|measured| (step, measured));
     Estimator::new(config).update(&mut corrected, own, Vec::new());
-    let corrected = corrected.unexplored;
+    let corrected = corrected.unexplored.clone();
     // X° takes back what has grown into it at every step, whatever the frame shows.
     let beyond_margin = predicted.minus([&recorded.before.margin]);
     let window = most_changed(&config.ground, beyond_margin.region(), corrected.region(), SIDE_M);

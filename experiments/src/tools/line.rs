@@ -267,6 +267,7 @@ mod tests {
             time: SimTime::from_seconds(1.5),
             next: SimTime::from_seconds(2.0),
             pose: Pose::level([1.0, 2.04, 52.0], 0.3),
+            pose_error: csat_proto::camera::PoseError::NONE,
             p_world: None,
             yaw_rad: None,
             incarnation: Some(Incarnation(1)),

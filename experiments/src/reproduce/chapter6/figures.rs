@@ -15,6 +15,9 @@ use crate::reproduce::map::{Map, Mark};
 /// A number of a car in a frame.
 type Value = fn(&Look) -> f64;
 
+/// How much of a car's shadow is covered, by the distance between cars.
+type Covered = fn(&Look) -> [f64; SEPARATIONS_M.len()];
+
 /// The side of the window about a car, metres.
 const WINDOW_M: f64 = 32.0;
 
@@ -157,7 +160,7 @@ fn sizes(one: &Seen) -> String {
 fn exclusion(seen: &Chapter6) -> String {
     let (span, x) = x_axis();
     let widest = SEPARATIONS_M.len() - 1;
-    let ways: [(&str, fn(&Look) -> [f64; SEPARATIONS_M.len()]); 2] = [
+    let ways: [(&str, Covered); 2] = [
         ("measured set", |seen| seen.covered_pct),
         ("set estimate", |seen| seen.covered_by_set_pct),
     ];
