@@ -54,16 +54,15 @@ pub(super) fn swept(poses: &PoseBox, view: &CameraView, outline: &[Ring]) -> Opt
     let is_border = |a: &GridPoint, b: &GridPoint| {
         (a.x == b.x && is_at_end(a.x, 0)) || (a.y == b.y && is_at_end(a.y, 1))
     };
-    let edges = |ring: &Ring| {
-        let ends: Vec<bool> =
-            (0..ring.len()).map(|i| is_border(&ring[i], &ring[(i + 1) % ring.len()])).collect();
-        ends
+    let borders = |ring: &Ring| -> Vec<bool> {
+        let next = ring.iter().cycle().skip(1);
+        ring.iter().zip(next).map(|(a, b)| is_border(a, b)).collect()
     };
     let pixels = |p: &GridPoint| [p.x, p.y].map(|units| f64::from(units) / f64::from(UNITS_PER_PX));
     let image: Vec<Vec<[f64; 2]>> =
         outline.iter().map(|ring| ring.iter().map(pixels).collect()).collect();
     let all = poses.swept_outline(&image)?;
-    Some(Swept { all, is_border: outline.iter().flat_map(edges).collect() })
+    Some(Swept { all, is_border: outline.iter().flat_map(borders).collect() })
 }
 
 /// A ring (`world`, metres) rounded to the grid. Parts beyond the grid are cut off, because moving

@@ -50,7 +50,7 @@ fn every_reason(reason: &DropReason) {
         | Rejection::Cell { .. }
         | Rejection::Digest { .. }
         | Rejection::Full { .. } => {}
-        // In tests/tests/liars.rs: it takes a fleet.
+        // In experiments/tests/liars.rs: it takes a fleet.
         Rejection::Liar { .. } => {}
     }
 }

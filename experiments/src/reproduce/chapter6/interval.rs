@@ -144,8 +144,10 @@ mod tests {
     /// Each operation, at many numbers of many intervals.
     #[test]
     fn results_are_in_the_intervals_of_results() {
-        let numbers =
-            |i: Interval| (0..=8).map(move |k| i.low + (i.high - i.low) * f64::from(k) / 8.0);
+        let number = |i: Interval, k: i32| {
+            (i.low + (i.high - i.low) * f64::from(k) / 8.0).clamp(i.low, i.high)
+        };
+        let numbers = |i: Interval| (0..=8).map(move |k| number(i, k));
         let ends = [-3.5, -1.0, -0.1, 0.0, 0.3, 2.0, 7.0];
         let all = ends.iter().flat_map(|&a| {
             ends.iter().filter(move |b| **b >= a).map(move |&b| Interval::new(a, b))
