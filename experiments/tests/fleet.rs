@@ -211,7 +211,10 @@ fn pids(said: &str) -> Vec<u32> {
 fn ctrl_c_before_all_have_joined_ends_at_once() {
     let (folder, endpoint) = (scratch(), endpoint());
     let child = spawn(folder.path(), &endpoint, "3000", &["--set", "agents.count=3"]);
-    wait_until("there are processes", || processes(&endpoint).len() == 5);
+    // A process that was forked and has not begun looks like its parent.
+    wait_until("there are processes", || {
+        processes(&endpoint).len() == 5 && agent_process(&endpoint, 2).is_some()
+    });
     // It is welcomed, and hears nothing more.
     let late = agent_process(&endpoint, 2).expect("UAV 2 has a process");
     signal(late, "-STOP");

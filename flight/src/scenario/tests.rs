@@ -116,8 +116,8 @@ fn three_mistakes_are_three_messages_with_their_lines() {
         [
             "error: unknown key `colums` in [camera]\n --> my.toml:4:1\n  |\n4 | colums = 480\n  \
              | ^^^^^^\n  = expected one of `columns`, `rows`, `aperture_deg`, `tilt_deg`, \
-             `d_max_m`, `depth_noise`, `min_pixels`, `box_error_px`, `assumption`\n  = did you \
-             mean `columns`?\n"
+             `d_max_m`, `depth_noise`, `min_pixels`, `box_error_px`, `assumption`, \
+             `misidentify`\n  = did you mean `columns`?\n"
                 .replace(" --> ", "  --> "),
             "error: `camera.rows` cannot be \"many\"\n  --> my.toml:5:8\n  |\n5 | rows = \
              \"many\"\n  |        ^^^^^^\n  = expected a whole number from 1 to 65535\n"

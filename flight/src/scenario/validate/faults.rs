@@ -9,7 +9,7 @@ use crate::scenario::mistake::Mistake;
 pub(super) fn judge(check: &mut Check, scenario: &Scenario) {
     let (liars, uavs) = (scenario.exchange.liars, scenario.agents.count);
     check.that(
-        liars < uavs,
+        liars == 0 || liars < uavs,
         &["exchange.liars", "agents.count"],
         &liars.to_string(),
         &format!("fewer liars than UAVs, agents.count = {uavs}"),
