@@ -20,7 +20,7 @@ import numpy as np
 import town
 import zenoh
 
-PROTOCOL = 3
+PROTOCOL = 4
 JSON = zenoh.Encoding.APPLICATION_JSON
 
 # What it does not say is as in csat's `city`. Any scenario.resolved.toml with one UAV will do as well.
