@@ -75,7 +75,7 @@ impl Default for Scenario {
             exchange: ExchangeConfig::default(),
             faults: FaultsConfig::default(),
             netem: NetemConfig::default(),
-            own: toml::Table::new(),
+            own: toml::Table::try_from(Tables::default()).expect("defaults are TOML"),
         }
     }
 }
@@ -121,7 +121,6 @@ impl Scenario {
     /// whatever the seed and the length.
     pub fn is_thesis_setting(&self) -> bool {
         let mut thesis = Self { name: self.name.clone(), seed: self.seed, ..Self::default() };
-        thesis.own = missions::find(SET_MEMBERSHIP).map(|own| own.tables()).unwrap_or_default();
         thesis.run.duration_s = self.run.duration_s;
         thesis.netem.trace = self.netem.trace;
         *self == thesis

@@ -71,8 +71,7 @@ pub const COLUMNS: &[Column] = &[
         .in_summary(),
     Column::of_agent("liars_named", "agents named as liars", "agents")
         .defined("agents that it has proven to have said something false ([liars.md](liars.md))", "")
-        .count()
-        .of_stations(),
+        .count(),
     Column::of_agent("vertices", "vertices of sets", "corners")
         .defined("of all its sets together", "")
         .count(),

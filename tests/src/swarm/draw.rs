@@ -85,7 +85,7 @@ impl Draw {
             skewed: self.handicaps.iter().any(|h| h.ahead != self.handicaps[0].ahead).into(),
             evasive: (self.scenario.targets.driving == Driving::Evasive).into(),
             stationed: (!self.scenario.stations.is_empty()).into(),
-            uncertain: self.scenario.own.contains_key("pose").into(),
+            uncertain: (self.scenario.own != Scenario::default().own).into(),
             walled: self.scenario.agents.avoid_buildings.into(),
             lying: (!self.scenario.faults.liar.is_empty()).into(),
             ..Exercise::default()
