@@ -9,7 +9,7 @@ use csat_tests::swarm;
 use rayon::prelude::*;
 
 /// Seeds after which a mistake counts as undetected.
-const SEEDS: u64 = 400;
+const SEEDS: u64 = 1000;
 /// Seeds flown at once.
 const BATCH: u64 = 8;
 
