@@ -5,8 +5,8 @@
 //!
 //! - A location enters or leaves the image of an outline only when the outline crosses it on a path of poses. An edge
 //!   between two corners is mapped to a segment between their images, so the edge sweeps no more than the convex
-//!   hull of the places of both corners: [`PoseBox::swept_outline`].
-//! - A convex hull of points moves within the hull of their places: [`PoseBox::tilt`], [`PoseBox::turned`] and [`PoseBox::moved`].
+//!   hull of the places of both corners: `PoseBox::swept_outline`.
+//! - A convex hull of points moves within the hull of their places: `PoseBox::tilt`, `PoseBox::turned` and `PoseBox::moved`.
 //!
 //! Places of points are computed in the frame of the heading, where roll, pitch and height act, then turned by the
 //! yaw and moved by the position, which both act on the ground as rigid motions (docs/concepts/pose.md).
