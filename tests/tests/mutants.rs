@@ -3,22 +3,34 @@
 //! `CSAT_MUTANTS=NoPrediction,MonitorLenient` tries those only.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use csat_agent::mutant::{Mutant, switch};
 use csat_tests::swarm;
 use rayon::prelude::*;
 
 /// Seeds after which a mistake counts as undetected.
-const SEEDS: u64 = 1000;
+const SEEDS: u64 = 400;
+/// Seeds of all kinds of missions that are tried first: boxes of poses and liars make other mistakes rarer.
+const FIRST: u64 = 128;
 /// Seeds flown at once.
 const BATCH: u64 = 8;
 
+/// How a seed is flown.
+type Fly = fn(u64) -> Result<swarm::Exercise, String>;
+
 /// The first seed that detects the mistake, and its error.
 fn noticed() -> Option<(u64, String)> {
-    (0..SEEDS).step_by(BATCH as usize).find_map(|start| {
-        let batch = (start..start + BATCH).into_par_iter();
-        let found: Vec<_> =
-            batch.filter_map(|seed| Some((seed, swarm::fly(seed).err()?))).collect();
+    noticed_by(swarm::fly, 0..FIRST)
+        .or_else(|| noticed_by(swarm::fly_plain, 0..SEEDS))
+        .or_else(|| noticed_by(swarm::fly, FIRST..SEEDS))
+}
+
+fn noticed_by(fly: Fly, seeds: Range<u64>) -> Option<(u64, String)> {
+    let end = seeds.end;
+    seeds.step_by(BATCH as usize).find_map(|start| {
+        let batch = (start..end.min(start + BATCH)).into_par_iter();
+        let found: Vec<_> = batch.filter_map(|seed| Some((seed, fly(seed).err()?))).collect();
         found.into_iter().next()
     })
 }
@@ -46,6 +58,8 @@ fn every_known_mistake_is_noticed() {
     let _ = std::panic::take_hook();
     assert!(alive.is_empty(), "not noticed within {SEEDS} seeds: {alive:?}");
     for seed in noticing {
-        assert_eq!(swarm::fly(seed).err(), None, "seed {seed} notices what is no mistake");
+        for fly in [swarm::fly, swarm::fly_plain] {
+            assert_eq!(fly(seed).err(), None, "seed {seed} notices what is no mistake");
+        }
     }
 }

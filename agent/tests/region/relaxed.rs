@@ -74,7 +74,7 @@ fn sets_miss_each_other_if_a_gap_is_between_them() {
         };
         let gap_m = gap_m(&a, &b).min(gap_m(&b, &a));
         assert!(!(misses && gap_m == 0.0), "seed {seed}");
-        assert!(!(misses && !a.intersection(&b).is_empty()), "seed {seed}");
+        assert!(!misses || a.intersection(&b).is_empty(), "seed {seed}");
     }
     assert!(missed > 50 && met > 50, "{missed} {met}");
 }

@@ -43,6 +43,15 @@ pub struct Draw {
 impl Draw {
     /// The mission of a seed.
     pub fn new(seed: u64) -> Self {
+        let mut draw = Self::plain(seed);
+        // From streams of their own: what a seed draws besides stays as it was.
+        lies(&mut draw.scenario, &mut ChaCha8Rng::seed_from_u64(seed ^ LIES));
+        poses(&mut draw.scenario, &mut ChaCha8Rng::seed_from_u64(seed ^ POSES));
+        draw
+    }
+
+    /// The same with exact poses and without liars.
+    pub fn plain(seed: u64) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut scenario = town(seed, &mut rng);
         exchange(&mut scenario, &mut rng);
@@ -65,9 +74,6 @@ impl Draw {
         if rng.random_bool(0.2) {
             scenario.estimator.max_vertices = rng.random_range(50..120);
         }
-        // From streams of their own: what a seed draws besides stays as it was.
-        lies(&mut scenario, &mut ChaCha8Rng::seed_from_u64(seed ^ LIES));
-        poses(&mut scenario, &mut ChaCha8Rng::seed_from_u64(seed ^ POSES));
         Self { scenario, steps: STEPS, healed, core, settle_steps, handicaps }
     }
 

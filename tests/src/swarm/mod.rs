@@ -118,6 +118,15 @@ pub fn fly(seed: u64) -> Result<Exercise, String> {
     caught(|| fly_drawn(&draw))
 }
 
+/// The same with exact poses and without liars.
+///
+/// # Errors
+/// As [`fly`].
+pub fn fly_plain(seed: u64) -> Result<Exercise, String> {
+    let draw = Draw::plain(seed);
+    caught(|| fly_drawn(&draw))
+}
+
 fn fly_drawn(draw: &Draw) -> Result<Exercise, String> {
     let world = world_of(&draw.scenario).map_err(|e| format!("no world: {e}"))?;
     let mut engine = Engine::new(draw.mission(), world, &draw.scenario.netem, draw.scenario.seed);
