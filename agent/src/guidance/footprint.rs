@@ -142,13 +142,13 @@ fn common_corners(view: &CameraView, poses: &PoseBox) -> Vec<[f64; 2]> {
     let image = visible_corners(view);
     let corners = ground_corners(view, &image);
     let count = corners.len();
-    let side = area_m2(&corners).signum();
     let places: Vec<_> = image.iter().map(|&[c, r]| poses.ground_place(c, r)).collect();
     (0..count).fold(corners.clone(), |kept, i| {
         let j = (i + 1) % count;
         let ends = [&places[i], &places[j]];
         let points = |end: usize| ends[end].iter().flatten().map(|&p| metres(p));
-        let outward = |[a, b]: [[f64; 2]; 2]| [side * (b[1] - a[1]), -side * (b[0] - a[0])];
+        // From (column, row) to (east, north) the orientation flips: the corners run clockwise.
+        let outward = |[a, b]: [[f64; 2]; 2]| [a[1] - b[1], b[0] - a[0]];
         let along = |normal: [f64; 2], p: [f64; 2]| normal[0] * p[0] + normal[1] * p[1];
         // The innermost places of both ends, along the edge from the reported pose.
         let usual = outward([corners[i], corners[j]]);
@@ -161,12 +161,6 @@ fn common_corners(view: &CameraView, poses: &PoseBox) -> Vec<[f64; 2]> {
         let offset = all.map(|p| along(normal, p)).fold(f64::INFINITY, f64::min);
         HalfPlane { normal, offset }.clip(&kept)
     })
-}
-
-/// The signed area of a ring, m².
-fn area_m2(ring: &[[f64; 2]]) -> f64 {
-    let next = ring.iter().cycle().skip(1);
-    ring.iter().zip(next).map(|(a, b)| 0.5 * (a[0] * b[1] - b[0] * a[1])).sum()
 }
 
 /// Where the horizontal line at `y` enters and leaves a convex ring; empty when it misses.

@@ -39,12 +39,11 @@ pub fn cells_in(set: &Inner, grid: Grid) -> Raster {
 
 /// The cells of the OEM whose centres lie in the clear ground of all poses (4.40).
 pub fn empty_cells_in(clear_ground: &Inner, grid: Grid) -> Vec<OemDelta> {
-    let cells = cells_in(clear_ground, grid);
-    let delta = |(column, row)| {
-        let cell = grid.index(column, row) as u32;
-        OemDelta { cell, state: OemCell::Empty }
-    };
-    cells.iter().map(delta).collect()
+    cells_in(clear_ground, grid).iter().map(|(column, row)| empty(&grid, column, row)).collect()
+}
+
+fn empty(grid: &Grid, column: u32, row: u32) -> OemDelta {
+    OemDelta { cell: grid.index(column, row) as u32, state: OemCell::Empty }
 }
 
 /// The cells of the OEM whose centres lie in the clear ground (4.40).
@@ -52,8 +51,7 @@ pub fn empty_cells(view: &CameraView, frame: &Frame, grid: Grid) -> Vec<OemDelta
     let mut cells = Vec::new();
     for_each_visible_cell(view, frame, grid, |column, row, label| {
         if label == Label::Ground {
-            let cell = grid.index(column, row) as u32;
-            cells.push(OemDelta { cell, state: OemCell::Empty });
+            cells.push(empty(&grid, column, row));
         }
     });
     cells

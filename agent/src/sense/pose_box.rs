@@ -189,22 +189,21 @@ impl PoseBox {
         if half <= 0.0 {
             return points.into_iter().collect();
         }
+        let from_nadir = points.into_iter().map(|p| [p[0] - x, p[1] - y]);
+        let to_world = |[dx, dy]: [f64; 2]| [x + dx, y + dy];
+        if half > MOST_YAW_RAD {
+            let all_around = from_nadir.flat_map(|[dx, dy]| corners(dx.hypot(dy), dx.hypot(dy)));
+            return all_around.map(to_world).collect();
+        }
         // An arc lies in the triangle of its ends and the meeting point of their tangents.
         let turns = [(-half, 1.0), (0.0, 1.0 / half.cos()), (half, 1.0)].map(|(turn, stretch)| {
             let (sin, cos) = f64::sin_cos(turn);
             [stretch * sin, stretch * cos]
         });
-        let places = points.into_iter().flat_map(|p| {
-            let [dx, dy] = [p[0] - x, p[1] - y];
-            let radius = dx.hypot(dy);
-            let turned = turns.map(|[sin, cos]| [dx * cos - dy * sin, dx * sin + dy * cos]);
-            // All around, for large turns.
-            let corners = corners(radius, radius);
-            let is_small = half <= MOST_YAW_RAD;
-            let (few, many) = (is_small.then_some(turned), (!is_small).then_some(corners));
-            few.into_iter().flatten().chain(many.into_iter().flatten())
+        let turned = from_nadir.flat_map(|[dx, dy]| {
+            turns.map(|[sin, cos]| [dx * cos - dy * sin, dx * sin + dy * cos])
         });
-        places.map(|[dx, dy]| [x + dx, y + dy]).collect()
+        turned.map(to_world).collect()
     }
 
     /// A convex set that contains points (`world`, metres, at the reported yaw and position) from every yaw and

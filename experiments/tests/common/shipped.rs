@@ -66,8 +66,13 @@ impl Shipped {
     }
 }
 
-/// Demands that each of these lines of a scenario file `bad.toml` is blamed with these words.
-pub fn check_places(told: &str, places: &[(u32, &str)]) {
+/// Demands that this scenario is bad input, and that each of these lines of it is blamed with these words.
+pub fn check_places(scenario: &str, places: &[(u32, &str)]) {
+    let base = scratch();
+    std::fs::write(base.path().join("bad.toml"), scenario).unwrap();
+    let output = csat(base.path(), &["run", "bad.toml"]);
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{told}");
     for (line, what) in places {
         assert!(told.contains(what), "{what} in {told}");
         assert!(told.contains(&format!("--> bad.toml:{line}:")), "line {line} in {told}");

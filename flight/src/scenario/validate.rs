@@ -12,6 +12,7 @@ mod fleet;
 mod pose;
 mod targets;
 
+use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 use csat_agent::config::{EstimatorConfig, GuidanceConfig};
@@ -141,6 +142,14 @@ impl Check {
     fn that(&mut self, holds: bool, keys: &[&'static str], got: &str, expected: &str) {
         if !holds {
             self.0.push(Issue::refused(keys, got, expected));
+        }
+    }
+
+    /// Demands that the value at `path`, which may be in an array, `holds`.
+    fn at(&mut self, holds: bool, path: &str, got: &dyn Display, expected: &str) {
+        if !holds {
+            let mistake = Mistake::new(format!("`{path}` cannot be {got}")).expected(expected);
+            self.0.push(Issue { keys: with_ancestors(path), mistake, is_warning: false });
         }
     }
 

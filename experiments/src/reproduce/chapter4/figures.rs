@@ -9,7 +9,9 @@ use crate::report::page;
 use crate::report::shapes::escaped;
 
 /// A number of a car in a frame.
-type Value = fn(&Seen) -> f64;
+pub type Value = fn(&Seen) -> f64;
+/// How much of a car's shadow is covered, by the distance between cars.
+pub type Covered = fn(&Seen) -> [f64; SEPARATIONS_M.len()];
 
 /// What all figures but 4.19 show.
 const SIZES: [(&str, Value); 3] = [
@@ -21,14 +23,12 @@ const NOTE: &str = "Mean and one standard deviation over the looks.";
 
 /// All figures, as markup.
 pub fn all(seen: &Chapter4) -> String {
-    let span = [distance_m(0), distance_m(CARS_M.len() - 1)];
-    let ticks: Vec<f64> = (0..CARS_M.len()).map(|car| distance_m(car).round()).collect();
-    let x = XAxis::between("distance from the UAV [m]", span, &ticks);
+    let (span, x) = x_axis();
     let chart = |title: &str, unit: &str, top: f64, lines: Vec<Curve>| {
         page::figure(&Curves { title, unit, x: &x, span, top, lines }.svg(), NOTE)
     };
     let sizes = SIZES.iter().map(|(name, value)| curve(name, seen.plain(), *value)).collect();
-    let covered = |covered: fn(&Seen) -> [f64; SEPARATIONS_M.len()]| -> Vec<Curve> {
+    let covered = |covered: Covered| -> Vec<Curve> {
         let lines = SEPARATIONS_M.iter().enumerate().map(|(i, separation_m)| {
             curve(&format!("cars {separation_m} m apart"), seen.plain(), |seen| covered(seen)[i])
         });
@@ -61,7 +61,15 @@ pub fn all(seen: &Chapter4) -> String {
     markup
 }
 
-fn curve(name: &str, looks: &Looks, value: impl Fn(&Seen) -> f64) -> Curve {
+/// The distances of the cars: what is at the ends, and the axis.
+pub fn x_axis() -> ([f64; 2], XAxis) {
+    let span = [distance_m(0), distance_m(CARS_M.len() - 1)];
+    let ticks: Vec<f64> = (0..CARS_M.len()).map(|car| distance_m(car).round()).collect();
+    (span, XAxis::between("distance from the UAV [m]", span, &ticks))
+}
+
+/// A number against the distance of the cars: mean and spread over the looks.
+pub fn curve(name: &str, looks: &Looks, value: impl Fn(&Seen) -> f64) -> Curve {
     let points =
         (0..CARS_M.len()).filter_map(|car| Moment::of(distance_m(car), &looks.values(car, &value)));
     Curve { name: name.to_owned(), points: points.collect(), published: None }

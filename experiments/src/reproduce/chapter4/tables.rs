@@ -1,6 +1,7 @@
 //! The numbers that §4.7 states, and ours.
 
 use super::Chapter4;
+use super::figures::Covered;
 use super::look::{Looks, SEPARATIONS_M, Seen};
 use super::scene::{CARS_M, distance_m};
 use crate::published::{Reference, reference};
@@ -29,7 +30,8 @@ pub fn tables(seen: &Chapter4) -> Vec<Table> {
     tables
 }
 
-fn size_columns() -> Vec<Column> {
+/// The columns of [`sizes`].
+pub fn size_columns() -> Vec<Column> {
     vec![
         Column::new("measured radius", "m"),
         Column::new("set radius", "m"),
@@ -37,7 +39,8 @@ fn size_columns() -> Vec<Column> {
     ]
 }
 
-fn sizes(looks: &Looks, car: usize) -> Vec<Cell> {
+/// The sizes of what looks say of a car.
+pub fn sizes(looks: &Looks, car: usize) -> Vec<Cell> {
     let values: [fn(&Seen) -> f64; 3] =
         [|s| s.measured_radius_m, |s| s.set_radius_m, |s| s.error_m];
     values.map(|value| Cell::new(&looks.values(car, value), None)).to_vec()
@@ -70,7 +73,6 @@ fn accuracy(looks: &Looks) -> Table {
 fn exclusion(seen: &Chapter4) -> Table {
     let covers = reference().chapter4.exclusion_covers_shadow;
     let (headings, looks) = &seen.families[0];
-    type Covered = fn(&Seen) -> [f64; SEPARATIONS_M.len()];
     let ways: [(&str, Covered); 2] = [
         ("measured set", |seen| seen.covered_pct),
         ("set estimate", |seen| seen.covered_by_set_pct),

@@ -5,18 +5,12 @@ use csat_proto::region::{Region, metres};
 use super::settings::{POSITION_M, RADII_M};
 use super::sivia::{Cell, Paving};
 use super::{Chapter6, PAVED_M, Seen};
-use crate::report::axis::XAxis;
-use crate::report::curves::{Curve, Curves, Moment};
+use crate::report::curves::Curves;
 use crate::report::page;
-use crate::reproduce::chapter4::look::{Looks, SEPARATIONS_M, Seen as Look};
+use crate::reproduce::chapter4::figures::{Covered, Value, curve, x_axis};
+use crate::reproduce::chapter4::look::SEPARATIONS_M;
 use crate::reproduce::chapter4::scene::{self, CARS_M, distance_m};
-use crate::reproduce::map::{Map, Mark};
-
-/// A number of a car in a frame.
-type Value = fn(&Look) -> f64;
-
-/// How much of a car's shadow is covered, by the distance between cars.
-type Covered = fn(&Look) -> [f64; SEPARATIONS_M.len()];
+use crate::reproduce::map::{Map, Mark, Stroke};
 
 /// The side of the window about a car, metres.
 const WINDOW_M: f64 = 32.0;
@@ -54,8 +48,7 @@ fn marks(region: &Region, series: usize, name: &str) -> Vec<Mark> {
         let ends = ring.first().copied();
         ring.into_iter().chain(ends).collect::<Vec<_>>()
     };
-    let paths = rings(region)
-        .map(|ring| Mark::Path(closed(ring), series, crate::reproduce::map::Stroke::Bold));
+    let paths = rings(region).map(|ring| Mark::Path(closed(ring), series, Stroke::Bold));
     paths.chain([Mark::Key(series, name.to_owned())]).collect()
 }
 
@@ -72,9 +65,7 @@ fn boxes(cells: &[Cell], series: usize, name: &str) -> Vec<Mark> {
     let ring = |[x, y]: &Cell| {
         vec![[x.low, y.low], [x.high, y.low], [x.high, y.high], [x.low, y.high], [x.low, y.low]]
     };
-    let paths = cells
-        .iter()
-        .map(|cell| Mark::Path(ring(cell), series, crate::reproduce::map::Stroke::Thin));
+    let paths = cells.iter().map(|cell| Mark::Path(ring(cell), series, Stroke::Thin));
     paths.chain([Mark::Key(series, name.to_owned())]).collect()
 }
 
@@ -130,18 +121,6 @@ fn car(seen: &Chapter6, car: usize, which: &[usize], title: &str) -> String {
         title.to_owned()
     };
     figure(title, window, all, "")
-}
-
-fn x_axis() -> ([f64; 2], XAxis) {
-    let span = [distance_m(0), distance_m(CARS_M.len() - 1)];
-    let ticks: Vec<f64> = (0..CARS_M.len()).map(|car| distance_m(car).round()).collect();
-    (span, XAxis::between("distance from the UAV [m]", span, &ticks))
-}
-
-fn curve(name: &str, looks: &Looks, value: impl Fn(&Look) -> f64) -> Curve {
-    let points =
-        (0..CARS_M.len()).filter_map(|car| Moment::of(distance_m(car), &looks.values(car, &value)));
-    Curve { name: name.to_owned(), points: points.collect(), published: None }
 }
 
 fn sizes(one: &Seen) -> String {

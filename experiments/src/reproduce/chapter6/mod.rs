@@ -67,8 +67,6 @@ pub struct Seen {
     pub uncertainty: Uncertainty,
     /// The part of the footprint that is in the image from all poses.
     pub footprint: Region,
-    /// (6.64), per cent.
-    pub footprint_pct: f64,
     /// What the looks say of the cars.
     pub looks: Looks,
     /// X^{t,m} of each car, in the first look.
@@ -90,11 +88,6 @@ impl Chapter6 {
         let config = mission.agent(AgentId(0), Incarnation(0)).config().clone();
         let seen: Vec<Seen> =
             uncertainties().into_iter().map(|u| Seen::take(&config, u, seeds)).collect();
-        let whole_m2 = seen[0].footprint.area_m2();
-        let seen = seen
-            .into_iter()
-            .map(|one| Seen { footprint_pct: 100.0 * one.footprint.area_m2() / whole_m2, ..one });
-        let seen: Vec<Seen> = seen.collect();
         let footprint = Footprint::new(&config.camera, &scene::pose(), &seen[2].uncertainty.error);
         let margins = POSITION_M
             .map(|half_m| RADII_M.map(|radius_m| margin(&config, half_m, radius_m)).to_vec());
@@ -110,6 +103,11 @@ impl Chapter6 {
                 ring(0.5, Algorithm::ThickInner),
             ],
         }
+    }
+
+    /// (6.64), per cent of the footprint from the exact pose.
+    pub fn footprint_pct(&self, one: &Seen) -> f64 {
+        100.0 * one.footprint.area_m2() / self.seen[0].footprint.area_m2()
     }
 
     /// The tables.
@@ -151,7 +149,6 @@ impl Seen {
         let nearest = Frame { detections: frame.detections[..1].to_vec(), ..frame.clone() };
         let footprint = all_ground(config, &uncertainty.error);
         Self {
-            footprint_pct: 0.0,
             looks,
             sets: sets(&measured),
             frame_s: least_s(config, &frame),

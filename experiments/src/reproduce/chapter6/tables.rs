@@ -4,8 +4,8 @@ use super::Chapter6;
 use super::settings::{POSITION_M, RADII_M};
 use super::sivia::Paving;
 use crate::published::reference;
-use crate::reproduce::chapter4::look::{Looks, Seen as Look};
 use crate::reproduce::chapter4::scene::{CARS_M, distance_m};
+use crate::reproduce::chapter4::tables::{size_columns, sizes};
 use crate::reproduce::table::{Cell, Column, Table, Theirs};
 
 /// The tables.
@@ -18,7 +18,7 @@ fn footprint(seen: &Chapter6) -> Table {
     let published = reference().chapter6.footprint_guaranteed_pct;
     let theirs = [published.u1, published.u2, published.u3, published.u4];
     let rows = seen.seen[1..].iter().zip(theirs).map(|(one, theirs)| {
-        let cell = Cell::new(&[one.footprint_pct], Some(Theirs::Value(theirs)));
+        let cell = Cell::new(&[seen.footprint_pct(one)], Some(Theirs::Value(theirs)));
         (one.uncertainty.name.clone(), vec![cell])
     });
     Table {
@@ -59,19 +59,9 @@ fn cars(seen: &Chapter6) -> Table {
         mark: "differs by more than the deviation",
         not_published: None,
         corner: "box of poses, distance",
-        columns: vec![
-            Column::new("measured radius", "m"),
-            Column::new("set radius", "m"),
-            Column::new("point error", "m"),
-        ],
+        columns: size_columns(),
         rows,
     }
-}
-
-fn sizes(looks: &Looks, car: usize) -> Vec<Cell> {
-    let values: [fn(&Look) -> f64; 3] =
-        [|s| s.measured_radius_m, |s| s.set_radius_m, |s| s.error_m];
-    values.map(|value| Cell::new(&looks.values(car, value), None)).to_vec()
 }
 
 /// §6.6.5, figure 6.9.

@@ -9,6 +9,7 @@ use csat_proto::model::{Driving, VehicleKind};
 use csat_world::map::MapKind;
 use csat_world::navigation::{NavigationModel, Noise};
 
+use super::camera::least_corner_dip_deg;
 use super::exchange::idle_radios;
 use super::{Check, Issue, Scenario};
 use crate::scenario::bayes::Tables;
@@ -141,14 +142,7 @@ fn camera(check: &mut Check, scenario: &Scenario) {
             pitch_rad: -pitch,
             roll_rad: roll_deg.to_radians(),
         };
-        let view = camera.at(&pose);
-        let (columns, rows) = (f64::from(camera.columns), f64::from(camera.rows));
-        let corners = [[0.0, 0.0], [columns, 0.0], [columns, rows], [0.0, rows]];
-        let dip = |[c, r]: [f64; 2]| {
-            let ray = view.ray_world(c, r);
-            (-ray.z / ray.norm()).asin().to_degrees()
-        };
-        corners.map(dip).into_iter().fold(f64::INFINITY, f64::min)
+        least_corner_dip_deg(&camera.at(&pose))
     };
     let least = dip_deg(roll).min(dip_deg(-roll));
     check.that(

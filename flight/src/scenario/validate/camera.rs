@@ -1,6 +1,6 @@
 //! `[camera]`.
 
-use csat_proto::camera::CameraModel;
+use csat_proto::camera::{CameraModel, CameraView};
 use csat_proto::model::FleetModel;
 
 use super::fleet::altitudes;
@@ -115,4 +115,15 @@ fn pixels_on_a_car(check: &mut Check, camera: &CameraModel, fleet: &FleetModel, 
         );
         check.warn(&keys, Mistake::new(text).expected(expected));
     }
+}
+
+/// The least angle below the horizon of a corner of the image, degrees; negative above it.
+pub(super) fn least_corner_dip_deg(view: &CameraView) -> f64 {
+    let (columns, rows) = (f64::from(view.model().columns), f64::from(view.model().rows));
+    let corners = [[0.0, 0.0], [columns, 0.0], [columns, rows], [0.0, rows]];
+    let dip = |[c, r]: [f64; 2]| {
+        let ray = view.ray_world(c, r);
+        (-ray.z / ray.norm()).asin().to_degrees()
+    };
+    corners.map(dip).into_iter().fold(f64::INFINITY, f64::min)
 }

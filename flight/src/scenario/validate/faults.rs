@@ -2,8 +2,7 @@
 
 use csat_world::lie::{Liar, LieKind};
 
-use super::{Check, Issue, MAX_TIME_S, Scenario, with_ancestors};
-use crate::scenario::mistake::Mistake;
+use super::{Check, MAX_TIME_S, Scenario};
 
 /// Judges the liars, and how many of them the agents allow for.
 pub(super) fn judge(check: &mut Check, scenario: &Scenario) {
@@ -18,7 +17,8 @@ pub(super) fn judge(check: &mut Check, scenario: &Scenario) {
     for (index, liar) in all.iter().enumerate() {
         of_liar(check, index, liar, scenario);
         let is_twice = all[..index].iter().any(|other| other.agent == liar.agent);
-        refuse(check, is_twice, index, "agent", &liar.agent, "each UAV once: it is a liar already");
+        let expected = "each UAV once: it is a liar already";
+        check.at(!is_twice, &path(index, "agent"), &liar.agent, expected);
     }
 }
 
@@ -28,28 +28,17 @@ fn of_liar(check: &mut Check, index: usize, liar: &Liar, scenario: &Scenario) {
         true => format!("the index of a UAV, below agents.count = {uavs}"),
         false => format!("the index of a UAV, below agents.count = {uavs}: stations see nothing"),
     };
-    refuse(check, liar.agent >= uavs, index, "agent", &liar.agent, &expected);
+    check.at(liar.agent < uavs, &path(index, "agent"), &liar.agent, &expected);
     let is_time = (0.0..=MAX_TIME_S).contains(&liar.from_s);
     let expected = format!("a time from 0 to {MAX_TIME_S} s");
-    refuse(check, !is_time, index, "from_s", &liar.from_s, &expected);
+    check.at(is_time, &path(index, "from_s"), &liar.from_s, &expected);
     let targets = scenario.targets.count;
     let is_alone = liar.kind == LieKind::Misidentify && targets < 2;
     let expected = "another kind, or 2 cars or more to be taken for each other (targets.count)";
-    refuse(check, is_alone, index, "kind", &"`misidentify`", expected);
+    check.at(!is_alone, &path(index, "kind"), &"`misidentify`", expected);
 }
 
-/// Refuses a value of the liar at `index` if it `is_wrong`.
-fn refuse(
-    check: &mut Check,
-    is_wrong: bool,
-    index: usize,
-    key: &str,
-    got: &dyn std::fmt::Display,
-    expected: &str,
-) {
-    if is_wrong {
-        let key = format!("faults.liar[{index}].{key}");
-        let mistake = Mistake::new(format!("`{key}` cannot be {got}")).expected(expected);
-        check.0.push(Issue { keys: with_ancestors(&key), mistake, is_warning: false });
-    }
+/// The path of a key of the liar at `index`.
+fn path(index: usize, key: &str) -> String {
+    format!("faults.liar[{index}].{key}")
 }

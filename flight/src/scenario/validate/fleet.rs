@@ -4,8 +4,7 @@ use csat_proto::fixed_wing::FixedWingModel;
 use csat_proto::model::{FleetModel, StartPose, VehicleKind};
 use csat_world::map::MapKind;
 
-use super::{Check, Issue, Scenario, with_ancestors};
-use crate::scenario::mistake::Mistake;
+use super::{Check, Scenario};
 
 /// Judges `[agents]`; tells whether there are as many as there may be.
 pub(super) fn judge(check: &mut Check, scenario: &Scenario) -> bool {
@@ -75,16 +74,13 @@ fn start(check: &mut Check, fleet: &FleetModel, size_m: [f64; 2]) {
         ];
         let is_within = |value: f64, most: f64| (-most..=most).contains(&value); // false for NaN
         for (name, value, most) in values.into_iter().filter(|(_, v, most)| !is_within(*v, *most)) {
-            let key = format!("agents.start[{index}].{name}");
-            let text = format!("`{key}` cannot be {value}");
             let expected = match name {
                 "yaw_deg" => "degrees from -360 to 360".to_owned(),
                 _ => {
                     format!("from -{most} to {most} m, {MAX_START_M} m outside the region at most")
                 }
             };
-            let mistake = Mistake::new(text).expected(expected);
-            check.0.push(Issue { keys: with_ancestors(&key), mistake, is_warning: false });
+            check.at(false, &format!("agents.start[{index}].{name}"), &value, &expected);
         }
     }
 }

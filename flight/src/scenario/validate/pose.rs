@@ -3,8 +3,9 @@
 use csat_proto::camera::{CameraModel, Pose};
 use csat_world::observer::ObserverModel;
 
+use super::camera::least_corner_dip_deg;
 use super::fleet::altitudes;
-use super::{Check, Issue, Scenario};
+use super::{Check, Scenario};
 use crate::scenario::mistake::Mistake;
 
 /// The agent takes larger errors of the yaw for any yaw, degrees.
@@ -39,12 +40,8 @@ pub(super) fn judge(check: &mut Check, scenario: &Scenario, pose: &ObserverModel
 fn denied(check: &mut Check, scenario: &Scenario, pose: &ObserverModel) {
     let half = scenario.map.size_m.map(|size| 0.5 * size);
     for (index, zone) in pose.denied.iter().enumerate() {
-        let keys =
-            |name: &str| vec![format!("pose.denied[{index}].{name}"), "pose.denied".to_owned()];
         let mut that = |holds: bool, name: &str, got: &str, expected: &str| {
-            let mut issue = Issue::refused(&[&keys(name)[0]], got, expected);
-            issue.keys = keys(name);
-            check.0.extend((!holds).then_some(issue));
+            check.at(holds, &format!("pose.denied[{index}].{name}"), &got, expected);
         };
         let ([west, south], [east, north]) = (zone.min_m, zone.max_m);
         let is_ordered = west < east && south < north;
@@ -99,12 +96,7 @@ fn limits(check: &mut Check, scenario: &Scenario, pose: &ObserverModel) {
 /// The least angle below the horizon of a ray of the image that meets the ground within d_max, degrees.
 fn least_dip_deg(camera: &CameraModel, altitude_m: f64) -> f64 {
     let view = camera.at(&Pose::level([0.0, 0.0, altitude_m], 0.0));
-    let (w, h) = (f64::from(camera.columns), f64::from(camera.rows));
-    let dip = |[c, r]: [f64; 2]| {
-        let ray = view.ray_world(c, r);
-        (-ray.z / ray.norm()).asin().to_degrees()
-    };
-    let least = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(dip).into_iter().fold(90.0, f64::min);
+    let least = least_corner_dip_deg(&view);
     let farthest = (altitude_m / camera.d_max_m).min(1.0).asin().to_degrees();
     least.max(farthest)
 }
