@@ -37,6 +37,8 @@ pub struct AgentConfig {
     pub exchange: ExchangeConfig,
     /// Which radio carries which messages.
     pub channels: Channels,
+    /// The shortest range of these radios, metres; ∞ without limit. Only `str5` reads it.
+    pub radio_range_m: f64,
 }
 
 /// The names, in the scenario, of the radios that carry each kind of message.
@@ -166,6 +168,9 @@ pub enum Criterion {
     /// Not in the thesis: ground counts for as long as it stays unseen, over a longer horizon
     /// ([`Str4Config`]).
     Str4,
+    /// Not in the thesis: `str4`, and a UAV flies out of reach of the others' radios only where that is
+    /// worth it ([`Str5Config`]).
+    Str5,
     /// No planning: each UAV flies a fixed circle.
     Circles,
     /// No planning: each UAV sweeps its band of the region, lane by lane.
@@ -204,11 +209,13 @@ pub struct GuidanceConfig {
     pub schedule: Schedule,
     /// How long a sequential schedule waits for plans that do not arrive, per decision, seconds.
     pub plan_timeout_s: f64,
-    /// `[guidance.str4]`; the other criteria do not read it.
+    /// `[guidance.str4]`; read by `str4` and `str5`.
     pub str4: Str4Config,
+    /// `[guidance.str5]`; the other criteria do not read it.
+    pub str5: Str5Config,
 }
 
-/// `[guidance.str4]`: the horizon and the width of the search of `str4`.
+/// `[guidance.str4]`: the horizon and the width of the search of `str4` and `str5`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Str4Config {
@@ -227,10 +234,35 @@ impl Default for Str4Config {
     }
 }
 
+/// `[guidance.str5]`: what contact with the other UAVs is worth.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Str5Config {
+    /// UAVs count as in contact within this share of the shortest range of the radios: plans are not
+    /// flown exactly.
+    pub reach: f64,
+    /// The cost of a block in which a UAV is out of contact: this share of the region for each block's
+    /// way that is missing.
+    pub apart: f64,
+}
+
+impl Default for Str5Config {
+    fn default() -> Self {
+        Self { reach: 0.95, apart: 0.01 }
+    }
+}
+
+impl Criterion {
+    /// Whether the planner looks a minute ahead, over `guidance.str4.n_mpc` blocks.
+    pub fn is_far_sighted(self) -> bool {
+        matches!(self, Self::Str4 | Self::Str5)
+    }
+}
+
 impl GuidanceConfig {
     /// The number of blocks in the horizon of the criterion; at least 1.
     pub fn blocks(&self) -> usize {
-        let blocks = if self.criterion == Criterion::Str4 { self.str4.n_mpc } else { self.n_mpc };
+        let blocks = if self.criterion.is_far_sighted() { self.str4.n_mpc } else { self.n_mpc };
         usize::from(blocks.max(1))
     }
 
@@ -259,6 +291,7 @@ impl Default for GuidanceConfig {
             schedule: Schedule::SequentialLoopback,
             plan_timeout_s: 0.4,
             str4: Str4Config::default(),
+            str5: Str5Config::default(),
         }
     }
 }
@@ -347,6 +380,7 @@ pub(crate) mod tests {
             guidance: GuidanceConfig::default(),
             exchange: ExchangeConfig::default(),
             channels: Channels::default(),
+            radio_range_m: f64::INFINITY,
         }
     }
 

@@ -220,7 +220,7 @@ impl Lab {
         };
         let poses = self.world.poses();
         let mut turns = vec![0.0; poses.len()];
-        let far_sighted = self.configs[0].guidance.criterion == Criterion::Str4;
+        let far_sighted = self.configs[0].guidance.criterion.is_far_sighted();
         for plan in self.plans.iter_mut().filter(|plan| !plan.is_empty()) {
             plan.remove(0);
         }

@@ -4,6 +4,7 @@ mod common;
 
 use std::path::Path;
 
+use common::shipped::{Key, Shipped};
 use common::{csat, json, scratch, text};
 use serde_json::Value;
 
@@ -65,4 +66,70 @@ fn with_radios_of_100_m_it_knows_more_than_each_uav() {
     let contact_pct = number(&summary, "contact_pct");
     assert!((0.0..100.0).contains(&contact_pct), "{contact_pct}");
     assert!(number(&summary, "staleness_s") > 0.0, "{summary}");
+}
+
+/// `city` with short radios under `str5`.
+const SHORT: Shipped = Shipped {
+    name: "city",
+    sets: &[
+        "run.duration_s=40",
+        "map.size_m=[300, 300]",
+        "targets.count=3",
+        "camera.columns=120",
+        "camera.rows=90",
+        "camera.min_pixels=1",
+        "guidance.criterion=str5",
+        "guidance.str4.beam=20",
+        "netem.radio.range_m=60",
+    ],
+};
+
+fn digest(summary: &Value) -> Value {
+    summary["digest"].clone()
+}
+
+#[test]
+fn every_key_of_str5_has_an_effect() {
+    const KEYS: [Key; 5] = [
+        ("guidance.criterion=str4", &[]),
+        ("guidance.str5.reach=0.4", &[]),
+        ("guidance.str5.apart=0.001", &[]),
+        ("guidance.str4.n_mpc=8", &[]),
+        ("guidance.str4.first_look=0", &[]),
+    ];
+    SHORT.every_key_changes(&KEYS, digest);
+}
+
+#[test]
+fn str5_keeps_in_contact() {
+    let base = scratch();
+    let contact = |criterion: &str| {
+        let summary = SHORT.flown(
+            base.path(),
+            "run",
+            criterion,
+            &[&format!("guidance.criterion={criterion}")],
+        );
+        number(&summary, "contact_pct")
+    };
+    let [apart, together] = ["str4", "str5"].map(contact);
+    assert!(together > apart + 10.0, "{together} % instead of {apart} %");
+}
+
+/// Contact that costs nothing and radios without a range change nothing.
+#[test]
+fn without_a_price_or_a_range_it_is_str4() {
+    let base = scratch();
+    for (case, sets) in [("free", "guidance.str5.apart=0"), ("far", "netem.radio.range_m=inf")] {
+        let flown = |criterion: &str| {
+            let sets = [sets, &format!("guidance.criterion={criterion}")];
+            digest(&SHORT.flown(base.path(), "run", &format!("{case}-{criterion}"), &sets))
+        };
+        assert_eq!(flown("str4"), flown("str5"), "{case}");
+    }
+}
+
+#[test]
+fn one_process_and_many_come_to_the_same_under_str5() {
+    SHORT.is_the_same_in_processes(&[("short", &[])], &["digest", "violations", "unexplored_pct"]);
 }

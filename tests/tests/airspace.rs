@@ -67,10 +67,11 @@ fn whoever_flies_around_buildings_hits_none() {
         Criterion::Str2,
         Criterion::Str3,
         Criterion::Str4,
+        Criterion::Str5,
         Criterion::Circles,
         Criterion::Lawnmower,
     ];
-    for_seeds(["airspace", "whoever_flies_around_buildings"], 0..14, |seed| {
+    for_seeds(["airspace", "whoever_flies_around_buildings"], 0..16, |seed| {
         let mut scenario = tall(seed);
         scenario.guidance.criterion = criteria[seed as usize % criteria.len()];
         scenario.guidance.str4.beam = 8;

@@ -35,13 +35,13 @@ fn every_way_to_plan_and_to_talk_is_sound() {
     assert!(is_replay() || (flown == 72 && identified > 72), "{identified}");
 }
 
-/// `str4` and the baselines, with perfect links and with bad ones.
+/// `str4`, `str5` and the baselines, with perfect links and with bad ones.
 #[test]
 fn what_is_not_in_the_thesis_is_sound_too() {
-    let criteria = [Criterion::Str4, Criterion::Circles, Criterion::Lawnmower];
-    for_seeds(["missions", "what_is_not_in_the_thesis_is_sound_too"], 200..206, |seed| {
+    let criteria = [Criterion::Str4, Criterion::Str5, Criterion::Circles, Criterion::Lawnmower];
+    for_seeds(["missions", "what_is_not_in_the_thesis_is_sound_too"], 200..208, |seed| {
         let mut scenario = small(seed, 140.0, 3);
-        scenario.guidance.criterion = criteria[seed as usize % 3];
+        scenario.guidance.criterion = criteria[seed as usize % criteria.len()];
         scenario.guidance.str4.beam = 8;
         for scenario in [lossy(&scenario), scenario] {
             let what = format!("seed {seed}, {:?}", scenario.guidance.criterion);

@@ -1,17 +1,19 @@
-//! `str4`: ground counts for as long as it stays unseen.
+//! `str4` and `str5`: ground counts for as long as it stays unseen.
 //!
 //! The cost of a candidate is Σ_k φ(X^Δ_k) over the blocks k = 1..N_MPC of the horizon, where (5.27)
 //! has φ(X^Δ) at the end of the horizon only: ground that is seen early stops growing early. First
 //! looks at buildings count more ([`super::first_looks`]). The horizon is long enough to look all
 //! around and to fly on and look elsewhere. It is too long to try every sequence, so the search is a
 //! beam search: per block the best candidates are kept, at most one per rounded pose, so that the
-//! beam does not fill with detours to the same pose.
+//! beam does not fill with detours to the same pose. `str5` also counts lost contact with the other UAVs
+//! ([`super::connectivity`]).
 
 use std::collections::BTreeSet;
 
 use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
 
+use super::connectivity::Connectivity;
 use super::criterion::Terms;
 use super::first_looks::FirstLooks;
 use super::rollout::{Motion, ViewOverlap};
@@ -23,7 +25,7 @@ use crate::config::AgentConfig;
 /// Cells of the search, metres, unless the rasters of its input are coarser.
 const CELL_M: f64 = 4.0;
 
-/// The planner of `str4`.
+/// The planner of `str4` and `str5`.
 #[derive(Debug, Clone)]
 pub(super) struct Beam {
     grid: Grid,
@@ -31,6 +33,8 @@ pub(super) struct Beam {
     first_looks: FirstLooks,
     /// The bonus of a cell at the first look, blocks.
     first_look: i64,
+    /// Where contact counts.
+    connectivity: Option<Connectivity>,
     motion: Motion,
     overlap: ViewOverlap,
     turning: Turning,
@@ -52,7 +56,8 @@ struct Candidate {
     increment_rad: f64,
     pose: Pose,
     place: RoundedPose,
-    /// Cells of X^Δ, summed over the blocks, less the bonus of first looks.
+    /// Cells of X^Δ, summed over the blocks, less the bonus of first looks and with the cost of lost
+    /// contact.
     cost: i64,
 }
 
@@ -66,6 +71,7 @@ impl Beam {
             rounded_views: RoundedViews::new(grid, config),
             first_looks: FirstLooks::new(grid, config),
             first_look: config.guidance.str4.first_look.into(),
+            connectivity: Connectivity::new(config, grid.cells()),
             motion: Motion::new(config),
             overlap: ViewOverlap::new(config),
             turning: Turning::new(config, &increments),
@@ -90,15 +96,19 @@ impl Beam {
         if self.first_look > 0 {
             self.first_looks.load(&remaining, &margin, self.rounded_views.height_map(), pose);
         }
+        if let Some(connectivity) = &mut self.connectivity {
+            connectivity.load(neighbours, self.blocks);
+        }
         let place = RoundedPose::of(pose, &self.grid);
         let root = Candidate { parent: 0, increment_rad: 0.0, pose: *pose, place, cost: 0 };
         let (mut beams, mut sets, mut nodes) = (vec![vec![root]], vec![remaining], 0);
         for (block, mut kept) in self.seen_by_others(pose, neighbours).into_iter().enumerate() {
             kept.union_with(&margin);
             self.pass_block(&mut sets, &kept, self.spread_m(block));
-            let mut children = self.children(input, &beams[block], &sets, BlockKind::at(block));
+            let mut children =
+                self.children(input, &beams[block], &sets, block, BlockKind::at(block));
             if children.is_empty() {
-                children = self.children(input, &beams[block], &sets, BlockKind::Hopeless);
+                children = self.children(input, &beams[block], &sets, block, BlockKind::Hopeless);
             }
             nodes += children.len() as u32;
             let best = self.best(children);
@@ -157,24 +167,27 @@ impl Beam {
         }
     }
 
-    /// The children of `beam` in the next block; `sets` are X^Δ before the own look.
+    /// The children of `beam` in a block; `sets` are X^Δ before the own look.
     fn children(
         &mut self,
         input: &PlannerInput<'_>,
         beam: &[Candidate],
         sets: &[Raster],
-        block: BlockKind,
+        block: usize,
+        kind: BlockKind,
     ) -> Vec<Candidate> {
         let mut children = Vec::with_capacity(beam.len() * self.increments.len());
         for (parent, (candidate, set)) in beam.iter().zip(sets).enumerate() {
             let cost = candidate.cost + i64::from(set.count());
-            let choices = input.choices(&self.increments, &candidate.pose, block);
+            let choices = input.choices(&self.increments, &candidate.pose, kind);
             for (choice, increment_rad) in choices {
                 let pose = self.turning.advance(&candidate.pose, choice);
                 let place = RoundedPose::of(&pose, &self.grid);
                 let seen = i64::from(self.rounded_views.look(place).count_in(set));
                 let first = i64::from(self.first_looks.look(place).count_in(set));
-                let cost = cost - seen - self.first_look * first;
+                let links = self.connectivity.as_ref();
+                let apart = links.map_or(0, |links| links.cost(block, pose.p_world));
+                let cost = cost - seen - self.first_look * first + apart;
                 children.push(Candidate { parent, increment_rad, pose, place, cost });
             }
         }

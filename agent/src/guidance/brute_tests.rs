@@ -70,7 +70,9 @@ impl BruteVisibility<'_> {
             | Criterion::Circles
             | Criterion::Lawnmower => false,
             Criterion::Str2 => self.scene.hidden_now.get(column, row),
-            Criterion::Str3 | Criterion::Str4 => hides_point(&self.scene.oem, pose.p_world, centre),
+            Criterion::Str3 | Criterion::Str4 | Criterion::Str5 => {
+                hides_point(&self.scene.oem, pose.p_world, centre)
+            }
         }
     }
 

@@ -86,7 +86,7 @@ impl VisibilityModel {
                 | Criterion::Circles
                 | Criterion::Lawnmower => Occlusion::None,
                 Criterion::Str2 => Occlusion::Now,
-                Criterion::Str3 | Criterion::Str4 => Occlusion::Oem,
+                Criterion::Str3 | Criterion::Str4 | Criterion::Str5 => Occlusion::Oem,
             },
             occupied: OccupiedCells::default(),
             caster: ShadowCaster::new(&grid, config.planning_camera().d_max_m),

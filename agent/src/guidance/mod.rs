@@ -11,7 +11,8 @@
 //! | `nearest` | the distance to the nearest part of X^Δ that is not hidden |
 //! | `rollout` | prediction: poses and X^Δ, block by block |
 //! | `search` | the tree of yaw increments |
-//! | `beam` | `str4`: beam search |
+//! | `beam` | `str4` and `str5`: beam search |
+//! | `connectivity` | what it costs to lose contact with the others, for `str5` |
 //! | `first_looks` | buildings that no UAV has looked at from nearby yet, for `str4` |
 //! | `rounded_views` | views by rounded pose, for `str4` |
 //! | `height_map` | the heights of the buildings of the map, for `str4` |
@@ -21,7 +22,7 @@
 //! | `schedule` | when each UAV plans, and with which plans of the others |
 //!
 //! Guidance needs no guarantee, so its sets are rasters. A decision is a function of its arguments;
-//! in `str4` and `lawnmower` also of the arguments of earlier decisions.
+//! in `str4`, `str5` and `lawnmower` also of the arguments of earlier decisions.
 
 use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
@@ -31,6 +32,7 @@ use crate::estimate::oem::Oem;
 
 pub mod airspace;
 mod beam;
+mod connectivity;
 mod criterion;
 mod first_looks;
 mod footprint;
@@ -75,7 +77,7 @@ pub struct PlannerInput<'a> {
     pub neighbours_hidden_now: &'a [Option<&'a Raster>],
     /// ⋃ H^CVS of all over the last h steps (5.30); only `str3` with κ > 0 weighs it.
     pub hidden_recent: &'a Raster,
-    /// M; only `str3` and `str4` read it.
+    /// M; only `str3` to `str5` read it.
     pub oem: &'a Oem,
     /// The views of `wanted` given `oem` that agents with this knowledge share; `str1` to `str3`.
     pub view_cache: Option<&'a ViewCache>,
@@ -121,8 +123,8 @@ pub struct Decision {
     pub increments_rad: Vec<f64>,
     /// The predicted poses at the ends of the blocks (5.35): the plan to send.
     pub poses: Vec<Pose>,
-    /// J⁰ + κ·J² + λ·J¹, m²; in `str4` Σ φ(X^Δ) over the blocks less the bonus of first looks, m². 0
-    /// without planning.
+    /// J⁰ + κ·J² + λ·J¹, m²; in `str4` and `str5` Σ φ(X^Δ) over the blocks less the bonus of first
+    /// looks, and in `str5` the cost of lost contact, m². 0 without planning.
     pub cost: f64,
     /// The terms of the cost of `str1` to `str3`.
     pub terms: Terms,
@@ -135,7 +137,7 @@ pub struct Decision {
 enum Method {
     /// `str1` to `str3`: the whole tree.
     Tree,
-    /// `str4`.
+    /// `str4` and `str5`.
     Beam(Box<Beam>),
     /// `circles` and `lawnmower`.
     Route(Route),
@@ -166,7 +168,7 @@ impl Planner {
         let blocks = guidance.blocks();
         let method = match Route::new(config, &increments) {
             Some(route) => Method::Route(route),
-            None if guidance.criterion == Criterion::Str4 => {
+            None if guidance.criterion.is_far_sighted() => {
                 Method::Beam(Box::new(Beam::new(config, increments.clone())))
             }
             None => Method::Tree,

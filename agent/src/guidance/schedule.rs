@@ -8,7 +8,7 @@
 //! for another UAV that missed a deadline until it receives a plan of it: a UAV that failed causes
 //! one delay, not one per decision.
 //!
-//! The horizon of `str4` is so long that the rest of the plans of the last decision serves as the
+//! The horizon of `str4` and `str5` is so long that the rest of the plans of the last decision serves as the
 //! first pass of the loopback: each UAV plans once, sends one plan and accounts for all other UAVs.
 //!
 //! A ground station receives plans and makes none, and no agent waits for a plan of it.
@@ -131,7 +131,7 @@ impl Scheduler {
         let count =
             if config.is_station() { uavs } else { uavs.max(config.id.0.saturating_add(1)) };
         let count = usize::from(count);
-        let far_sighted = guidance.criterion == Criterion::Str4;
+        let far_sighted = guidance.criterion.is_far_sighted();
         let loopback = guidance.schedule == Schedule::SequentialLoopback && count > 1;
         Self {
             own: usize::from(config.id.0),

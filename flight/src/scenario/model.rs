@@ -160,7 +160,15 @@ impl Scenario {
             guidance: self.guidance.clone(),
             exchange: self.exchange.clone(),
             channels: self.channels(),
+            radio_range_m: self.radio_range_m(),
         }
+    }
+
+    /// The shortest range of the radios of the set-membership mission, metres; ∞ without limit.
+    fn radio_range_m(&self) -> f64 {
+        let Channels { facts, snapshots, plans } = self.channels();
+        let ranges = [facts, snapshots, plans].into_iter().filter_map(|id| self.netem.channel(id));
+        ranges.map(|channel| channel.range_m).fold(f64::INFINITY, f64::min)
     }
 
     /// What the world is made of, with what the mission adds to it; but for the tracks, which are in a file of

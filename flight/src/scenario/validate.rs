@@ -15,7 +15,7 @@ mod targets;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-use csat_agent::config::{EstimatorConfig, GuidanceConfig};
+use csat_agent::config::{EstimatorConfig, GuidanceConfig, Str5Config};
 use csat_agent::guidance::airspace::turning_room_m;
 use csat_proto::model::VehicleKind;
 
@@ -289,6 +289,16 @@ fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>)
     check.whole("guidance.str4.n_mpc", guidance.str4.n_mpc);
     check.whole("guidance.str4.beam", guidance.str4.beam);
     check.whole("guidance.str4.first_look", guidance.str4.first_look);
+    let Str5Config { reach, apart } = guidance.str5;
+    let is_share = reach > 0.0 && reach <= 1.0;
+    check.that(
+        is_share,
+        &["guidance.str5.reach"],
+        &reach.to_string(),
+        "a share above 0 and up to 1",
+    );
+    let is_share = (0.0..=1.0).contains(&apart);
+    check.that(is_share, &["guidance.str5.apart"], &apart.to_string(), "a share from 0 to 1");
     let increments = &guidance.increments_deg;
     let valid = increments.iter().all(|u| u.abs() <= 180.0);
     let got = if increments.is_empty() { "empty".to_owned() } else { format!("{increments:?}") };

@@ -68,11 +68,11 @@ fn looks(scenario: &Scenario) -> f64 {
     let looks: f64 = match guidance.criterion {
         Criterion::Circles | Criterion::Lawnmower => return 0.0,
         // Looks are remembered; most candidates come by the same places.
-        Criterion::Str4 => f64::from(guidance.str4.beam),
+        Criterion::Str4 | Criterion::Str5 => f64::from(guidance.str4.beam),
         _ => (1..=i32::from(guidance.n_mpc)).map(|block| increments.powi(block)).sum(),
     };
     let passes = if guidance.schedule == Schedule::SequentialLoopback { 2.0 } else { 1.0 };
-    if guidance.criterion == Criterion::Str4 { looks } else { looks * passes }
+    if guidance.criterion.is_far_sighted() { looks } else { looks * passes }
 }
 
 /// Warns of a cost of so many seconds of computing per second if real time has no room for it.
