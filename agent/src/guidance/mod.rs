@@ -27,7 +27,7 @@
 use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
 
-use crate::config::{AgentConfig, Criterion};
+use crate::config::AgentConfig;
 use crate::estimate::oem::Oem;
 
 pub mod airspace;

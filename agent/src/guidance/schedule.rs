@@ -21,7 +21,7 @@ use csat_proto::message::Plan;
 use csat_proto::time::{SimTime, Step};
 
 use super::rollout::Motion;
-use crate::config::{AgentConfig, Criterion, Schedule};
+use crate::config::{AgentConfig, Schedule};
 
 /// A planning pass that may begin now.
 #[derive(Debug, Clone, PartialEq)]

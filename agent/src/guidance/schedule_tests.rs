@@ -2,7 +2,7 @@
 
 use super::super::tests::default_config;
 use super::*;
-use crate::config::GuidanceConfig;
+use crate::config::{Criterion, GuidanceConfig};
 
 fn config(id: u16, count: u16, schedule: Schedule) -> AgentConfig {
     let mut config = default_config();
