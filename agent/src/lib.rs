@@ -46,6 +46,7 @@
 //!     guidance: GuidanceConfig::default(),
 //!     exchange: ExchangeConfig::default(),
 //!     channels: Channels::default(),
+//!     radio_range_m: f64::INFINITY,
 //! };
 //! let mut agents = [0, 1].map(|index| SetMembershipAgent::new(&config(index)));
 //! let now = SimTime(0);

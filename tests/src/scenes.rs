@@ -145,6 +145,7 @@ fn config(rng: &mut ChaCha8Rng) -> AgentConfig {
         guidance: GuidanceConfig::default(),
         exchange: ExchangeConfig::default(),
         channels: Channels::default(),
+        radio_range_m: f64::INFINITY,
     }
 }
 
