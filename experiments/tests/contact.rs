@@ -104,13 +104,8 @@ fn every_key_of_str5_has_an_effect() {
 fn str5_keeps_in_contact() {
     let base = scratch();
     let contact = |criterion: &str| {
-        let summary = SHORT.flown(
-            base.path(),
-            "run",
-            criterion,
-            &[&format!("guidance.criterion={criterion}")],
-        );
-        number(&summary, "contact_pct")
+        let sets = ["run.duration_s=90", &format!("guidance.criterion={criterion}")];
+        number(&SHORT.flown(base.path(), "run", criterion, &sets), "contact_pct")
     };
     let [apart, together] = ["str4", "str5"].map(contact);
     assert!(together > apart + 10.0, "{together} % instead of {apart} %");
