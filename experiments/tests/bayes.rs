@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::shipped::{Key, Shipped, check_places};
+use common::shipped::{Key, Shipped, check_places, digest};
 use common::{csat, read, scratch, text};
 
 /// `tisdale` over a small region.
@@ -110,7 +110,7 @@ const KEYS: [Key; 44] = [
 
 #[test]
 fn every_key_has_an_effect() {
-    SMALL.every_key_changes(&KEYS, |summary| summary["digest"].clone());
+    SMALL.every_key_changes(&KEYS, digest);
     let base = scratch();
     // A radio of another name.
     let other = ["netem.far.range_m=inf", "exchange.channel=\"far\""];

@@ -4,29 +4,19 @@ mod common;
 
 use std::path::Path;
 
-use common::shipped::{Key, Shipped};
-use common::{csat, json, scratch, text};
+use common::shipped::{Key, Shipped, digest};
+use common::{json, scratch};
 use serde_json::Value;
 
 /// `city` for a minute with small images.
-const CITY: &[&str] = &[
-    "run",
-    "city",
-    "--set",
-    "run.duration_s=60",
-    "--set",
-    "camera.columns=120",
-    "--set",
-    "camera.rows=90",
-    "--set",
-    "camera.min_pixels=1",
-];
+const CITY: Shipped = Shipped {
+    name: "city",
+    sets: &["run.duration_s=60", "camera.columns=120", "camera.rows=90", "camera.min_pixels=1"],
+};
 
-/// Flies it and gives its summary.
+/// Flies it and gives the summary in its folder.
 fn flown(folder: &Path, sets: &[&str]) -> Value {
-    let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
-    let output = csat(folder, &[CITY, &sets, &["--out", "out"]].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    CITY.flown(folder, "run", "out", sets);
     json(&folder.join("out/summary.json"))
 }
 
@@ -83,10 +73,6 @@ const SHORT: Shipped = Shipped {
         "netem.radio.range_m=60",
     ],
 };
-
-fn digest(summary: &Value) -> Value {
-    summary["digest"].clone()
-}
 
 #[test]
 fn every_key_of_str5_has_an_effect() {

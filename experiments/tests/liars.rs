@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::shipped::{Key, Shipped, check_places};
+use common::shipped::{Key, Shipped, check_places, digest};
 use common::{csat, read, scratch, text};
 
 /// `city`, small, with four UAVs.
@@ -71,15 +71,14 @@ const KEYS: [Key; 5] = [
 
 #[test]
 fn every_key_has_an_effect() {
-    SMALL.every_key_changes(&KEYS, |summary| summary["digest"].clone());
+    SMALL.every_key_changes(&KEYS, digest);
     let base = scratch();
     // Mistakes may break the guarantee of the others.
-    let digest = |out: &str, sets: &[&str]| {
+    let ended = |out: &str, sets: &[&str]| {
         let output = SMALL.ended(base.path(), "run", out, sets);
-        let summary: serde_json::Value = serde_json::from_slice(&output.stdout).expect("a summary");
-        summary["digest"].clone()
+        digest(&serde_json::from_slice(&output.stdout).expect("a summary"))
     };
-    assert_ne!(digest("exact", &[]), digest("mistaken", &["camera.misidentify=0.1"]));
+    assert_ne!(ended("exact", &[]), ended("mistaken", &["camera.misidentify=0.1"]));
 }
 
 #[test]

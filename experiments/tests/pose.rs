@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::shipped::{Key, Shipped, check_places};
+use common::shipped::{Key, Shipped, check_places, digest};
 use common::{csat, scratch, text};
 use serde_json::Value;
 
@@ -21,10 +21,6 @@ const SMALL: Shipped = Shipped {
 };
 
 const JAMMED: &str = "pose.denied=[{min_m=[-100, -100], max_m=[100, 100], from_s=5, until_s=15}]";
-
-fn digest(summary: &Value) -> Value {
-    summary["digest"].clone()
-}
 
 #[test]
 fn every_key_has_an_effect() {

@@ -96,13 +96,15 @@ impl Beam {
         if self.first_look > 0 {
             self.first_looks.load(&remaining, &margin, self.rounded_views.height_map(), pose);
         }
+        let others: Vec<Vec<Pose>> =
+            neighbours.iter().map(|plan| self.motion.forecast(plan, 0, self.blocks)).collect();
         if let Some(connectivity) = &mut self.connectivity {
-            connectivity.load(neighbours, self.blocks);
+            connectivity.load(&others, self.blocks);
         }
         let place = RoundedPose::of(pose, &self.grid);
         let root = Candidate { parent: 0, increment_rad: 0.0, pose: *pose, place, cost: 0 };
         let (mut beams, mut sets, mut nodes) = (vec![vec![root]], vec![remaining], 0);
-        for (block, mut kept) in self.seen_by_others(pose, neighbours).into_iter().enumerate() {
+        for (block, mut kept) in self.seen_by_others(pose, &others).into_iter().enumerate() {
             kept.union_with(&margin);
             self.pass_block(&mut sets, &kept, self.spread_m(block));
             let mut children =
@@ -131,12 +133,11 @@ impl Beam {
         coarse
     }
 
-    /// What the other UAVs would see at the end of each block, as far as their views may overlap the
-    /// own ones.
-    fn seen_by_others(&mut self, own: &Pose, neighbours: &[Vec<Pose>]) -> Vec<Raster> {
+    /// What the other UAVs would see from their poses at the end of each block, as far as their views
+    /// may overlap the own ones.
+    fn seen_by_others(&mut self, own: &Pose, others: &[Vec<Pose>]) -> Vec<Raster> {
         let mut seen = vec![Raster::empty(self.grid); self.blocks];
-        for plan in neighbours {
-            let poses = self.motion.forecast(plan, 0, self.blocks);
+        for poses in others {
             for (pose, seen) in poses.iter().zip(&mut seen) {
                 if self.overlap.may_see_the_same(own, pose) {
                     let place = RoundedPose::of(pose, &self.grid);

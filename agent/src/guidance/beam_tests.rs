@@ -231,3 +231,20 @@ fn neighbours_repel() {
     let turned = |poses: &[Pose]| poses[2].yaw_rad;
     assert!(turned(&first.poses) * turned(&second.poses) < 0.0, "{first:?} {second:?}");
 }
+
+/// [`Planner::plan`] says that a UAV flies straight ahead after its last pose: it is still there to keep
+/// in contact with.
+#[test]
+fn contact_counts_after_the_end_of_a_plan() {
+    let mut config = config(4, 20);
+    config.guidance.criterion = Criterion::Str5;
+    config.radio_range_m = 50.0;
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let (scene, pose) = (scene(&config, &mut rng), start(&mut rng));
+    let short = vec![Pose::level([-90.0, 100.0, 56.0], 1.0)];
+    let long = Motion::new(&config).forecast(&short, 0, 4);
+    let plan = |plan: &Vec<Pose>| {
+        Planner::new(&config).plan(&scene.input(), &pose, std::slice::from_ref(plan))
+    };
+    assert_eq!(plan(&short), plan(&long));
+}

@@ -66,6 +66,11 @@ impl Shipped {
     }
 }
 
+/// The digest in a summary.
+pub fn digest(summary: &Value) -> Value {
+    summary["digest"].clone()
+}
+
 /// Demands that this scenario is bad input, and that each of these lines of it is blamed with these words.
 pub fn check_places(scenario: &str, places: &[(u32, &str)]) {
     let base = scratch();

@@ -65,14 +65,16 @@ pub(super) fn judge(check: &mut Check, scenario: &Scenario, period_s: Option<f64
 fn looks(scenario: &Scenario) -> f64 {
     let guidance = &scenario.guidance;
     let increments = guidance.increments_deg.len().max(1) as f64;
-    let looks: f64 = match guidance.criterion {
-        Criterion::Circles | Criterion::Lawnmower => return 0.0,
+    match guidance.criterion {
+        Criterion::Circles | Criterion::Lawnmower => 0.0,
         // Looks are remembered; most candidates come by the same places.
-        Criterion::Str4 | Criterion::Str5 => f64::from(guidance.str4.beam),
-        _ => (1..=i32::from(guidance.n_mpc)).map(|block| increments.powi(block)).sum(),
-    };
-    let passes = if guidance.schedule == Schedule::SequentialLoopback { 2.0 } else { 1.0 };
-    if guidance.criterion.is_far_sighted() { looks } else { looks * passes }
+        far if far.is_far_sighted() => f64::from(guidance.str4.beam),
+        _ => {
+            let passes = if guidance.schedule == Schedule::SequentialLoopback { 2.0 } else { 1.0 };
+            let blocks = 1..=i32::from(guidance.n_mpc);
+            passes * blocks.map(|block| increments.powi(block)).sum::<f64>()
+        }
+    }
 }
 
 /// Warns of a cost of so many seconds of computing per second if real time has no room for it.
