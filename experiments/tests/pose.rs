@@ -4,7 +4,6 @@ mod common;
 
 use common::shipped::{Key, Shipped, check_places, digest};
 use common::{csat, scratch, text};
-use serde_json::Value;
 
 const SMALL: Shipped = Shipped {
     name: "city",
