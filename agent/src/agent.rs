@@ -49,6 +49,9 @@ pub use drop_reason::DropReason;
 pub use event::Event;
 pub use timer::Timer;
 
+/// Metres. A box about a fix is as wide as the bound of the fix but for less than this.
+const MILLIMETRE: f64 = 1e-3;
+
 /// One UAV or ground station of the set-membership mission.
 #[derive(Debug, Clone)]
 pub struct SetMembershipAgent {
@@ -412,6 +415,9 @@ impl SetMembershipAgent {
     /// first block.
     fn plan(&mut self, pass: &Pass, yaw_rad: f64) -> (Decision, Option<WayOut>) {
         let pose = Pose { yaw_rad, ..self.pose };
+        let expected = expected_pose_error(&self.config.pose_error, &self.pose_error);
+        self.planner.expect(&expected);
+        let is_shared = expected == self.config.pose_error;
         let oem = &self.knowledge.oem;
         let ways = self.airspace.as_ref().map(|air| air.ways(&pose, oem, pass.step));
         if let Some(ways) = ways.as_ref().filter(|ways| !ways.is_any_safe()) {
@@ -429,7 +435,7 @@ impl SetMembershipAgent {
             neighbours_hidden_now: &neighbours_hidden_now,
             hidden_recent: &rasters.hidden_recently,
             oem,
-            view_cache: Some(self.knowledge.view_cache()),
+            view_cache: is_shared.then(|| self.knowledge.view_cache()),
             ways: ways.as_ref(),
         };
         let decision = self.planner.plan(&input, &pose, &pass.poses);
@@ -437,6 +443,16 @@ impl SetMembershipAgent {
         let way_out = first.zip(ways.as_ref()).and_then(|(first, ways)| ways.behind(*first));
         (decision, way_out)
     }
+}
+
+/// The box that the planner expects about its poses: the bound of a fix, or what the box has grown to without one, in
+/// whole metres, so that the views of a pose can be kept for some time.
+fn expected_pose_error(fix: &PoseError, now: &PoseError) -> PoseError {
+    let wider = |axis: usize| {
+        let [fix, now] = [fix, now].map(|error| error.p_world[axis]);
+        if now > fix + MILLIMETRE { now.ceil() } else { fix }
+    };
+    PoseError { p_world: std::array::from_fn(wider), ..*fix }
 }
 
 impl Agent for SetMembershipAgent {

@@ -10,7 +10,7 @@
 
 use std::collections::BTreeSet;
 
-use csat_proto::camera::Pose;
+use csat_proto::camera::{Pose, PoseError};
 use csat_proto::raster::{Grid, Raster};
 
 use super::connectivity::Connectivity;
@@ -81,6 +81,12 @@ impl Beam {
             growth_m: config.targets.v_max_m_s * config.guidance.period_s,
             scratch: Raster::empty(grid),
         }
+    }
+
+    /// See [`super::Planner::expect`].
+    pub(super) fn expect(&mut self, error: &PoseError) {
+        self.rounded_views.expect(error);
+        self.first_looks.expect(error);
     }
 
     /// See [`super::Planner::plan`].

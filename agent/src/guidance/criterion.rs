@@ -93,6 +93,11 @@ impl VisibilityModel {
         }
     }
 
+    /// See [`super::Planner::expect`].
+    pub(super) fn expect(&mut self, error: &PoseError) {
+        self.pose_error = *error;
+    }
+
     /// Whether X° is taken out of X^Δ in every block: from (5.18) on.
     pub(super) fn removes_margin(&self) -> bool {
         self.criterion != Criterion::Str1

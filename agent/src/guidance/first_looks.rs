@@ -64,6 +64,14 @@ impl FirstLooks {
         }
     }
 
+    /// See [`super::Planner::expect`].
+    pub(super) fn expect(&mut self, error: &PoseError) {
+        if self.pose_error != *error {
+            self.pose_error = *error;
+            self.footprints.clear();
+        }
+    }
+
     /// Begins the next decision, at `pose`, with X^Δ in `wanted`, X° in `margin` and the buildings of
     /// `height_map`.
     pub(super) fn load(

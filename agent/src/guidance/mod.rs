@@ -24,7 +24,7 @@
 //! Guidance needs no guarantee, so its sets are rasters. A decision is a function of its arguments;
 //! in `str4`, `str5` and `lawnmower` also of the arguments of earlier decisions.
 
-use csat_proto::camera::Pose;
+use csat_proto::camera::{Pose, PoseError};
 use csat_proto::raster::{Grid, Raster};
 
 use crate::config::AgentConfig;
@@ -79,7 +79,8 @@ pub struct PlannerInput<'a> {
     pub hidden_recent: &'a Raster,
     /// M; only `str3` to `str5` read it.
     pub oem: &'a Oem,
-    /// The views of `wanted` given `oem` that agents with this knowledge share; `str1` to `str3`.
+    /// The views of `wanted` given `oem` that agents with this knowledge, and with the same box about their poses, share;
+    /// `str1` to `str3`.
     pub view_cache: Option<&'a ViewCache>,
     /// Which increments may be flown, at least one; `None` where buildings are below the flights.
     pub ways: Option<&'a Ways<'a>>,
@@ -184,6 +185,16 @@ impl Planner {
             levels: vec![Level::new(grid); blocks],
             seen_by_others: vec![Raster::empty(grid); blocks],
             method,
+        }
+    }
+
+    /// The half-widths of the box about each pose of the next plans; at first [`AgentConfig::pose_error`]. Ground counts
+    /// as seen from a predicted pose if it is seen from all poses of the box about it. The same box stands for the
+    /// other UAVs.
+    pub fn expect(&mut self, error: &PoseError) {
+        self.visibility.expect(error);
+        if let Method::Beam(beam) = &mut self.method {
+            beam.expect(error);
         }
     }
 

@@ -178,6 +178,29 @@ fn shared_looks_change_nothing_and_save_looking_twice() {
     }
 }
 
+/// A box that has grown is planned for like one that was always as wide, and forgotten when it shrinks again.
+#[test]
+fn a_wider_box_about_the_pose_sees_less() {
+    for criterion in [Criterion::Str3, Criterion::Str4] {
+        let mut config = default_config();
+        config.guidance.criterion = criterion;
+        let mut scene = both_sides(&config);
+        fill(&mut scene.wanted, [-250.0, 0.0], [-150.0, 30.0]);
+        let plan = |planner: &mut Planner| planner.plan(&scene.input(), &middle(), &[]);
+        let wide = PoseError { p_world: [20.0, 20.0, 0.0], ..PoseError::NONE };
+        let always_wide = AgentConfig { pose_error: wide, ..config.clone() };
+        let expected = plan(&mut Planner::new(&always_wide));
+        let mut planner = Planner::new(&config);
+        let exact = plan(&mut planner);
+        planner.expect(&wide);
+        let grown = plan(&mut planner);
+        assert_eq!(grown, expected, "{criterion:?}");
+        assert!(grown.cost > exact.cost, "{criterion:?}: {} {}", grown.cost, exact.cost);
+        planner.expect(&PoseError::NONE);
+        assert_eq!(plan(&mut planner), exact, "{criterion:?}");
+    }
+}
+
 /// In str2 another UAV does not see ground that is hidden to it (5.19).
 #[test]
 fn what_is_hidden_to_a_neighbour_is_left_to_others() {
