@@ -14,6 +14,7 @@ use csat_proto::camera::{Pose, PoseError};
 use csat_proto::command::Command;
 use csat_proto::envelope::Envelope;
 use csat_proto::frame::Frame;
+use csat_proto::grid_pose::GridPose;
 use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::message::{Digest, Fact, Plan};
 use csat_proto::radio::Reception;
@@ -397,7 +398,8 @@ impl SetMembershipAgent {
         let (decision, way_out) = info_span!("guidance").in_scope(|| self.plan(&pass, yaw_rad));
         let turn_rad = decision.increments_rad.first().copied().unwrap_or_default();
         self.planned.clone_from(&decision.poses);
-        let plan = Plan { step: pass.step, pass: pass.pass, poses: decision.poses };
+        let poses = decision.poses.into_iter().map(GridPose::from).collect();
+        let plan = Plan { step: pass.step, pass: pass.pass, poses };
         let last = self.scheduler.on_own_plan(&plan);
         if self.config.exchange.mode != ExchangeMode::None {
             self.transmitter.say_plan(self.now, self.pose, plan);

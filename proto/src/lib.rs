@@ -12,6 +12,7 @@
 //! | [`region`] | planar sets on an integer grid |
 //! | [`raster`] | planar sets as rows of bits, for what needs no guarantee |
 //! | [`oem`] | cells of the occupancy-elevation map |
+//! | [`grid_pose`] | poses as messages have them |
 //! | [`message`] | the messages of the set-membership mission |
 //! | [`envelope`] | the wire format of messages: header, checksum, body |
 //! | [`radio`] | the physical properties of a message, and what a receiver gets |
@@ -37,7 +38,7 @@
 //!     sequence: 41,
 //!     step: Step(20),
 //!     time: SimTime::from_seconds(10.0),
-//!     pose: Pose::level([12.0, -3.5, 52.0], 0.0),
+//!     pose: Pose::level([12.0, -3.5, 52.0], 0.0).into(),
 //!     body: b"the encoded message".to_vec(),
 //! };
 //! let mut bytes = envelope.encode();
@@ -55,6 +56,7 @@ pub mod envelope;
 pub mod fixed_wing;
 pub mod frame;
 pub mod frame_wire;
+pub mod grid_pose;
 pub mod ids;
 pub mod keys;
 pub mod message;

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::camera::Pose;
+use crate::grid_pose::{GridPose, path};
 use crate::ids::{AgentId, Incarnation, TargetId};
 use crate::oem::OemPatch;
 use crate::raster::Raster;
@@ -101,7 +101,8 @@ pub struct Plan {
     /// 0 for the first pass, 1 for the loopback.
     pub pass: u8,
     /// Predicted poses, one at the end of each block of T_MPC.
-    pub poses: Vec<Pose>,
+    #[serde(with = "path")]
+    pub poses: Vec<GridPose>,
 }
 
 /// The body of an envelope.

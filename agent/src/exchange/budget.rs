@@ -6,7 +6,6 @@
 //! guarantee are left out at higher levels. At the last level inner approximations are empty and
 //! outer ones are boxes. If a message does not fit even then, it is not sent.
 
-use csat_proto::envelope::Envelope;
 use csat_proto::message::{Digest, Fact, Known, Message, Snapshot};
 use csat_proto::oem::OemPatch;
 use csat_proto::raster::Raster;
@@ -29,18 +28,17 @@ const COARSE_LEVEL: u32 = 4;
 const RUNS: usize = 512;
 
 /// Of the messages that `said` makes at levels 0, 1, …, the finest one with at most `max_vertices`
-/// that fits into `limit` bytes with its envelope: its level and its encoded body.
+/// whose encoded body has at most `room` bytes: its level and that body.
 ///
 /// Messages get shorter with each level, so the search begins at `first`, the level of the last
 /// message. With a small budget, making all finer messages would take more time than the rest of the
 /// agent's step.
 pub fn fit(
-    limit: f64,
+    room: f64,
     max_vertices: u32,
     first: u32,
     said: impl Fn(u32) -> Message,
 ) -> Option<(u32, Vec<u8>)> {
-    let room = limit - Envelope::HEADER_BYTES_MAX as f64;
     let at = |level: u32| {
         let message = said(level);
         check_vertices(max_vertices, &message).ok()?;
@@ -178,20 +176,19 @@ fn boxed(region: &Region) -> Region {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use csat_proto::camera::Pose;
+    use csat_proto::grid_pose::GridPose;
     use csat_proto::message::Plan;
     use csat_proto::time::Step;
 
     /// A message that is shorter at higher levels.
     fn said(level: u32) -> Message {
-        let poses = vec![Pose::default(); (2 * (LEVELS - level) + 1) as usize];
+        let poses = vec![GridPose::default(); (2 * (LEVELS - level) + 1) as usize];
         Message::Plan(Plan { step: Step(1), pass: 0, poses })
     }
 
     #[test]
     fn wherever_the_search_begins_it_ends_with_the_finest_that_fits() {
-        let header = Envelope::HEADER_BYTES_MAX as f64;
-        let bytes = |level: u32| encode(&said(level)).len() as f64 + header;
+        let bytes = |level: u32| encode(&said(level)).len() as f64;
         for first in 0..LEVELS + 3 {
             for level in 0..=LEVELS {
                 let found = fit(bytes(level), u32::MAX, first, said);

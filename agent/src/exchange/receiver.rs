@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use csat_proto::agent::FIRST_ANSWER;
+use csat_proto::camera::Pose;
 use csat_proto::envelope::Envelope;
 use csat_proto::ids::{AgentId, Incarnation};
 use csat_proto::message::{Fact, Known, Message, Plan};
@@ -66,7 +67,8 @@ impl CheckedMessage {
             },
         };
         let Envelope { src, incarnation, sequence, pose, .. } = envelope;
-        Ok(Self { identity, src, incarnation, sequence, p_world: pose.p_world, body })
+        let p_world = Pose::from(pose).p_world;
+        Ok(Self { identity, src, incarnation, sequence, p_world, body })
     }
 }
 

@@ -22,6 +22,8 @@ use crate::sense::Measured;
 
 /// The share of the budget that facts leave to the next snapshot.
 const SNAPSHOT_SHARE: f64 = 0.25;
+/// How much longer the length of a body is as a number, bytes, than that of an empty one.
+const LENGTH_BYTES: usize = 4;
 /// Steps until a snapshot that did not fit is tried again.
 const RETRY_STEPS: u32 = 4;
 
@@ -312,11 +314,19 @@ impl Transmitter {
     ) -> Option<SentFact> {
         let StepContent { now, step, pose, .. } = *draft.content;
         let first = self.levels.get(&channel).copied().unwrap_or_default();
-        let (level, body) = fit(limit, self.config.exchange.max_vertices, first, message)?;
+        let room = limit - self.header_bytes(channel, now, step, pose);
+        let (level, body) = fit(room, self.config.exchange.max_vertices, first, message)?;
         self.levels.insert(channel, level);
         repair.blocks_said(step, draft.blocks_at(level));
         let identity = self.say(channel, now, step, pose, body);
         Some(SentFact { identity, in_full: level == 0 })
+    }
+
+    /// How many bytes of the next message on a channel are no body, at most.
+    fn header_bytes(&self, channel: ChannelId, now: SimTime, step: Step, pose: Pose) -> f64 {
+        let sequence = self.sequences.get(&channel).copied().unwrap_or_default();
+        let empty = self.envelope(channel, sequence, now, step, pose, Vec::new()).encode().len();
+        (empty + LENGTH_BYTES) as f64
     }
 
     fn say(
@@ -357,7 +367,7 @@ impl Transmitter {
             sequence,
             step,
             time,
-            pose,
+            pose: pose.into(),
             body,
         }
     }

@@ -67,8 +67,8 @@ pub enum PlanError {
         /// Passes of the schedule.
         passes: u8,
     },
-    /// No pose, a pose that is not finite, or more poses than the longest horizon.
-    #[error("plan of {got} poses: expected 1 to 255 finite ones")]
+    /// No pose, or more poses than the longest horizon.
+    #[error("plan of {got} poses: expected 1 to 255")]
     Poses {
         /// Number of poses.
         got: usize,
@@ -219,9 +219,7 @@ impl Scheduler {
         if plan.pass >= self.passes {
             return Err(PlanError::NoSuchPass { got: plan.pass, passes: self.passes });
         }
-        let finite =
-            |pose: &Pose| pose.p_world.iter().all(|v| v.is_finite()) && pose.yaw_rad.is_finite();
-        if !(1..=255).contains(&plan.poses.len()) || !plan.poses.iter().all(finite) {
+        if !(1..=255).contains(&plan.poses.len()) {
             return Err(PlanError::Poses { got: plan.poses.len() });
         }
         Ok(())
@@ -268,7 +266,8 @@ impl Scheduler {
             if let Some(plan) = self.known_plan(index) {
                 let elapsed = (self.step.0 - plan.step.0) / self.steps_per_block;
                 neighbours.push(AgentId(index as u16));
-                poses.push(self.motion.forecast(&plan.poses, elapsed as usize, self.blocks));
+                let planned: Vec<Pose> = plan.poses.iter().copied().map(Pose::from).collect();
+                poses.push(self.motion.forecast(&planned, elapsed as usize, self.blocks));
             }
         }
         Some(Pass { step: self.step, pass, neighbours, poses })

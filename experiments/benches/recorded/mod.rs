@@ -180,7 +180,9 @@ fn read(letters: &[Vec<u8>]) -> (Vec<ReceivedFact>, Vec<Vec<Pose>>) {
                     identity,
                 });
             }
-            Message::Plan(plan) if plan.pass == 0 => plans.push(plan.poses),
+            Message::Plan(plan) if plan.pass == 0 => {
+                plans.push(plan.poses.into_iter().map(Pose::from).collect());
+            }
             Message::Plan(_) | Message::Snapshot(_) => {}
         }
     }

@@ -201,14 +201,14 @@ mod tests {
             sequence: 99,
             step: Step(12),
             time: SimTime::from_seconds(6.0),
-            pose: Pose::level([1.0, 2.0, 52.0], 0.3),
+            pose: Pose::level([1.0, 2.0, 52.0], 0.3).into(),
             body,
         };
         envelope.encode()
     }
 
     fn plan() -> Vec<u8> {
-        let poses = vec![Pose::level([1.0, 2.0, 52.0], 0.3)];
+        let poses = vec![Pose::level([1.0, 2.0, 52.0], 0.3).into()];
         postcard::to_stdvec(&Message::Plan(Plan { step: Step(12), pass: 1, poses })).unwrap()
     }
 

@@ -255,7 +255,7 @@ mod tests {
     #[test]
     fn the_place_of_a_sender_is_the_one_of_the_physical_header() {
         let mut queue = MessageQueue::default();
-        let far = Envelope { pose: Pose::level([9e5, 0.0, 3.0], 0.0), ..envelope(1, 0, 0) };
+        let far = Envelope { pose: Pose::level([9e5, 0.0, 3.0], 0.0).into(), ..envelope(1, 0, 0) };
         push(&mut queue, 1, far.encode()).unwrap();
         assert_eq!(queue.take_all()[0].p_world, HERE.p_world);
         let nowhere = RawMessage { key: AgentId(1), physical: None, bytes: message(1, 0, 1) };
@@ -272,7 +272,7 @@ mod tests {
             sequence,
             step: Step(0),
             time: SimTime(0),
-            pose: Pose::level([1.0, 2.0, 3.0], 0.0),
+            pose: Pose::level([1.0, 2.0, 3.0], 0.0).into(),
             body: vec![sequence as u8],
         }
     }

@@ -130,7 +130,7 @@ pub fn queue(bytes: &[u8]) {
 }
 
 fn message(src: AgentId, incarnation: Incarnation, channel: ChannelId, sequence: u64) -> Vec<u8> {
-    let pose = Pose::level([0.0, 0.0, 50.0], 0.0);
+    let pose = Pose::level([0.0, 0.0, 50.0], 0.0).into();
     let (run, step, time) = (RunId(1), Step(20), SimTime(10_000_000));
     let body = Vec::new();
     Envelope { run, src, incarnation, channel, sequence, step, time, pose, body }.encode()

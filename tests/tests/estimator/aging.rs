@@ -56,7 +56,7 @@ fn packet(config: &AgentConfig, step: Step, message: &Message) -> Vec<u8> {
         sequence: 0,
         step,
         time: SimTime(0),
-        pose: Pose::level([0.0, 0.0, 50.0], 0.0),
+        pose: Pose::level([0.0, 0.0, 50.0], 0.0).into(),
         body: postcard::to_stdvec(message).unwrap(),
     }
     .encode()

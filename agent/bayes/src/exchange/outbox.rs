@@ -88,7 +88,7 @@ impl Outbox {
             sequence,
             step: stamp.step,
             time: stamp.now,
-            pose: stamp.pose,
+            pose: stamp.pose.into(),
             body,
         }
     }

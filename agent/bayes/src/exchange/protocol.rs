@@ -338,6 +338,7 @@ impl Exchange {
         });
         self.repair.hear(now, from, incarnation, step, held);
         self.repair.note(now, factors.iter().map(|factor| factor.id));
+        let pose = pose.into();
         Ok(Received { from, incarnation, step, pose, factors, dropped, plan, belief })
     }
 

@@ -228,7 +228,7 @@ fn check_header(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<
     if age_s > max_s {
         return Err(Rejection::TooOld { age_s, max_s });
     }
-    let csat_proto::camera::Pose { p_world, yaw_rad, pitch_rad, roll_rad } = envelope.pose;
+    let csat_proto::camera::Pose { p_world, yaw_rad, pitch_rad, roll_rad } = envelope.pose.into();
     if p_world.iter().any(|x| x.abs() > MAX_SENDER_M) {
         return Err(Rejection::Pose { p_world, angles_rad: [yaw_rad, pitch_rad, roll_rad] });
     }

@@ -43,7 +43,7 @@ impl Outbox {
             sequence,
             step: at.step,
             time: at.now,
-            pose: at.pose,
+            pose: at.pose.into(),
             body: postcard::to_stdvec(said).expect("messages always serialise"),
         };
         self.waiting.push_back(Transmit { channel, sequence, bytes: envelope.encode() });

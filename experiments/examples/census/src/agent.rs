@@ -195,8 +195,17 @@ impl Counter {
         let Count { step, pose, ref sightings, .. } = self.count;
         let body = postcard::to_stdvec(sightings).expect("a map of numbers always serialises");
         let channel = ChannelId(0);
-        let envelope =
-            Envelope { run, src, incarnation, channel, sequence, step, time: now, pose, body };
+        let envelope = Envelope {
+            run,
+            src,
+            incarnation,
+            channel,
+            sequence,
+            step,
+            time: now,
+            pose: pose.into(),
+            body,
+        };
         Transmit { channel, sequence, bytes: envelope.encode() }
     }
 

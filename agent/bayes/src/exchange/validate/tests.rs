@@ -44,7 +44,7 @@ fn envelope(message: &Message) -> Envelope {
         sequence: 9,
         step: Step(120),
         time: SimTime(5),
-        pose: POSE,
+        pose: POSE.into(),
         body: postcard::to_stdvec(message).unwrap(),
     }
 }
@@ -70,7 +70,7 @@ fn headers_are_checked() {
     assert_eq!(with(&|e| e.step = Step(NOW + 1)), "good");
     assert_eq!(with(&|e| e.step = Step(NOW + 2)), "future");
     assert_eq!(with(&|e| e.step = Step(9)), "too-old");
-    assert_eq!(with(&|e| e.pose.p_world[2] = -1e7), "pose");
+    assert_eq!(with(&|e| e.pose = Pose::level([0.0, 0.0, -1e7], 0.0).into()), "pose");
     assert_eq!(with(&|e| e.body.push(0)), "malformed");
     assert_eq!(with(&|e| e.body.truncate(9)), "malformed");
 }

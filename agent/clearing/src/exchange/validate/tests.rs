@@ -66,7 +66,7 @@ fn envelope() -> Envelope {
         sequence: 0,
         step: Step(100),
         time: SimTime(0),
-        pose: Pose::default(),
+        pose: Pose::default().into(),
         body: Vec::new(),
     }
 }
