@@ -188,7 +188,7 @@ impl SetMembershipAgent {
         self.knowledge.liars()
     }
 
-    /// How many steps it sent no fact of because none fitted its budget.
+    /// How many steps it sent no fact of because none fitted its budget or was worth its bytes.
     pub fn withheld(&self) -> u64 {
         self.transmitter.withheld()
     }

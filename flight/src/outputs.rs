@@ -291,7 +291,7 @@ const SUMMARY: &[Row] = &[
         "messages.withheld",
         "agent-steps",
         "fleet, as senders",
-        "not told of: nothing fitted the budget",
+        "not told of: nothing fitted the budget or was worth its bytes",
         "",
     ),
     ("bytes_sent", "B", "fleet, as senders", "each message once, however many hear it", ""),

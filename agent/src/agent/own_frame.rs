@@ -11,7 +11,8 @@ pub(super) enum OwnFrame {
     /// No frame arrived yet.
     #[default]
     Awaited,
-    /// Measured, and not told to the other agents: the mode forbids it, or no fact fitted the budget.
+    /// Measured, and not told to the other agents: the mode forbids it, no fact fitted the
+    /// budget, or none was worth its bytes.
     Measured { step: Step, measured: Measured },
     /// Measured and told to the other agents.
     Said { step: Step, measured: Measured, said: SentFact },

@@ -20,7 +20,7 @@ const FINEST_M: f64 = 0.25;
 /// The tolerance grows by its own size for every this many metres from the nearest UAV.
 const DISTANCE_M: f64 = 50.0;
 /// Levels of simplification; after the last one sets are empty or boxes.
-const LEVELS: u32 = 8;
+pub const LEVELS: u32 = 8;
 /// From this level on the views of cameras and the digest are left out, and sets are too coarse to
 /// replace the facts that they were made of.
 const COARSE_LEVEL: u32 = 4;

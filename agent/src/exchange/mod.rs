@@ -9,6 +9,7 @@
 //! | [`version_vector`] | which facts the agent's own knowledge contains |
 //! | [`receiver`] | which messages are believed, and facts that wait to be applied |
 //! | [`validate`] | the checks of a message before it is believed |
+//! | `worth` | what a fact is worth, and which one pays |
 //! | `crossing` | the check whether received rings cross |
 
 mod budget;
@@ -18,3 +19,4 @@ pub mod repair;
 pub mod transmitter;
 pub mod validate;
 pub mod version_vector;
+mod worth;

@@ -12,8 +12,10 @@ use csat_proto::raster::Raster;
 use csat_proto::region::Region;
 use csat_proto::time::{SimTime, Step};
 
-use super::budget::{Shortener, encode, fit};
+use super::budget::{LEVELS, Shortener, encode, fit};
 use super::repair::{BLOCKS_PER_FACT, Repair};
+use super::validate::check_vertices;
+use super::worth::{Offer, Price, Sets};
 use crate::config::{AgentConfig, ExchangeConfig, ExchangeMode};
 use crate::estimate::state::Knowledge;
 use crate::identity::Identity;
@@ -116,6 +118,7 @@ pub struct Transmitter {
     /// The part of the credit that is kept for the next snapshot.
     saved: f64,
     withheld: u64,
+    price: Price,
     /// The level of simplification of the last message on a channel.
     levels: BTreeMap<ChannelId, u32>,
     queue: VecDeque<Transmit>,
@@ -134,6 +137,7 @@ impl Transmitter {
             credit: 0.0,
             saved: 0.0,
             withheld: 0,
+            price: Price::default(),
             levels: BTreeMap::new(),
             queue: VecDeque::new(),
         }
@@ -144,7 +148,7 @@ impl Transmitter {
         self.queue.pop_front()
     }
 
-    /// How many steps had no message because none fitted the budget.
+    /// How many steps had no message because none fitted the budget or was worth its bytes.
     pub fn withheld(&self) -> u64 {
         self.withheld
     }
@@ -292,7 +296,52 @@ impl Transmitter {
 
     fn say_fact(&mut self, draft: &Draft<'_>, repair: &mut Repair, limit: f64) -> Option<SentFact> {
         let channel = self.config.channels.facts;
+        if limit.is_finite() {
+            return self.say_worthiest(channel, draft, repair, limit);
+        }
         self.say_draft(channel, draft, repair, limit, |level| Message::Fact(draft.fact_at(level)))
+    }
+
+    /// Sends the version of a fact, of those that fit and are about as fine as the last one, that is worth most above the
+    /// price of its bytes, if any is worth it.
+    fn say_worthiest(
+        &mut self,
+        channel: ChannelId,
+        draft: &Draft<'_>,
+        repair: &mut Repair,
+        limit: f64,
+    ) -> Option<SentFact> {
+        let StepContent { now, step, pose, knowledge, .. } = *draft.content;
+        let header = self.header_bytes(channel, now, step, pose);
+        let sets = Sets::of(knowledge, self.config.raster_grid());
+        let last = self.levels.get(&channel).copied().unwrap_or_default();
+        let mut offers: Vec<(Offer, u32, Vec<u8>)> = Vec::new();
+        for level in last.saturating_sub(1)..=LEVELS {
+            if level > last + 1 && !offers.is_empty() {
+                break;
+            }
+            let fact = draft.fact_at(level);
+            let worth_m2 = sets.worth_m2(&fact);
+            let message = Message::Fact(fact);
+            let body = encode(&message);
+            let offer = Offer { worth_m2, bytes: header + body.len() as f64 };
+            let is_accepted = check_vertices(self.config.exchange.max_vertices, &message).is_ok();
+            if is_accepted && offer.bytes <= limit {
+                offers.push((offer, level, body));
+            }
+        }
+        let best =
+            self.price.best(offers.iter().map(|(offer, ..)| *offer), limit / self.most_credit());
+        let (_, level, body) = offers.swap_remove(best?);
+        self.levels.insert(channel, level);
+        repair.blocks_said(step, draft.blocks_at(level));
+        let identity = self.say(channel, now, step, pose, body);
+        Some(SentFact { identity, in_full: level == 0 })
+    }
+
+    /// The most credit that is kept, bytes.
+    fn most_credit(&self) -> f64 {
+        self.config.exchange.budget_bytes_s * self.config.exchange.snapshot_period_s
     }
 
     fn say_snapshot(&mut self, draft: &Draft<'_>, repair: &mut Repair) -> Option<SentFact> {
@@ -437,7 +486,9 @@ mod tests {
                 held: repair.hold(step, Vec::new(), &hashes),
                 uavs: Vec::new(),
             };
-            transmitter.say_step(&content, &mut repair).expect("a fact fits");
+            if transmitter.say_step(&content, &mut repair).is_none() {
+                continue;
+            }
             let bytes = transmitter.pop().expect("it was said").bytes;
             let body = Envelope::decode(&bytes).unwrap().body;
             let Message::Fact(fact) = postcard::from_bytes(&body).unwrap() else { continue };
