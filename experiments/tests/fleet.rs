@@ -541,7 +541,7 @@ fn forge(endpoint: &str) {
         sequence,
         step: csat_proto::time::Step(0),
         time: csat_proto::time::SimTime(0),
-        pose: csat_proto::camera::Pose::level([0.0, 0.0, 50.0], 0.0),
+        pose: csat_proto::camera::Pose::level([0.0, 0.0, 50.0], 0.0).into(),
         body: b"forged".to_vec(),
     };
     for _ in 0..50 {

@@ -91,32 +91,53 @@ fn table_seeds() -> std::ops::Range<u64> {
     100..100 + count.unwrap_or(50)
 }
 
-/// `cargo test -p csat-tests --test liars -- --ignored --nocapture` prints the table of docs/liars.md.
-#[test]
-#[ignore = "takes minutes: 50 missions of each kind"]
-fn fifty_missions_of_each_kind() {
-    let all = |q, kind| -> Vec<Outcome> {
-        table_seeds().into_par_iter().map(|seed| fly(&fleet(seed, q, kind), STEPS)).collect()
+/// `cargo test -p csat-tests --test liars -- --ignored --nocapture` prints the table of docs/liars.md: a row for each
+/// kind, and the price of q.
+fn all(q: u16, kind: Option<LieKind>) -> Vec<Outcome> {
+    table_seeds().into_par_iter().map(|seed| fly(&fleet(seed, q, kind), STEPS)).collect()
+}
+
+fn fifty_missions(kind: LieKind) {
+    let outcomes = all(1, Some(kind));
+    let first_s = |outcome: &Outcome| {
+        outcome.named.iter().map(|named| named.time_s - FROM_S).reduce(f64::min)
     };
-    for kind in KINDS {
-        let outcomes = all(1, Some(kind));
-        let first_s = |outcome: &Outcome| {
-            outcome.named.iter().map(|named| named.time_s - FROM_S).reduce(f64::min)
-        };
-        let mut times: Vec<f64> = outcomes.iter().filter_map(first_s).collect();
-        times.sort_by(f64::total_cmp);
-        let violations: usize = outcomes.iter().map(|outcome| outcome.violations.len()).sum();
-        println!(
-            "{kind:?}: {} missions, {violations} violations, named in {}, by all in {}, after {:.1} s \
-             (median); with q = 0 violations in {}",
-            outcomes.len(),
-            times.len(),
-            outcomes.iter().filter(|outcome| outcome.named.len() == 3).count(),
-            times.get(times.len() / 2).copied().unwrap_or(f64::NAN),
-            all(0, Some(kind)).iter().filter(|outcome| !outcome.violations.is_empty()).count(),
-        );
-        assert_eq!(violations, 0);
-    }
+    let mut times: Vec<f64> = outcomes.iter().filter_map(first_s).collect();
+    times.sort_by(f64::total_cmp);
+    let violations: usize = outcomes.iter().map(|outcome| outcome.violations.len()).sum();
+    println!(
+        "{kind:?}: {} missions, {violations} violations, named in {}, by all in {}, after {:.1} s (median); with \
+         q = 0 violations in {}",
+        outcomes.len(),
+        times.len(),
+        outcomes.iter().filter(|outcome| outcome.named.len() == 3).count(),
+        times.get(times.len() / 2).copied().unwrap_or(f64::NAN),
+        all(0, Some(kind)).iter().filter(|outcome| !outcome.violations.is_empty()).count(),
+    );
+    assert_eq!(violations, 0);
+}
+
+#[test]
+#[ignore = "takes minutes: 50 missions"]
+fn fifty_missions_of_clear() {
+    fifty_missions(LieKind::Clear);
+}
+
+#[test]
+#[ignore = "takes minutes: 50 missions"]
+fn fifty_missions_of_phantom() {
+    fifty_missions(LieKind::Phantom);
+}
+
+#[test]
+#[ignore = "takes minutes: 50 missions"]
+fn fifty_missions_of_misidentify() {
+    fifty_missions(LieKind::Misidentify);
+}
+
+#[test]
+#[ignore = "takes minutes: 50 missions for each q"]
+fn the_price_of_q() {
     for q in 0..3 {
         let outcomes = all(q, None);
         let count = outcomes.len() as f64;

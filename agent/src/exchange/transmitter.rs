@@ -15,7 +15,7 @@ use csat_proto::time::{SimTime, Step};
 use super::budget::{LEVELS, Shortener, encode, fit};
 use super::repair::{BLOCKS_PER_FACT, Repair};
 use super::validate::check_vertices;
-use super::worth::{Offer, Price, Sets};
+use super::worth::{KnownSets, Offer, Price};
 use crate::config::{AgentConfig, ExchangeConfig, ExchangeMode};
 use crate::estimate::state::Knowledge;
 use crate::identity::Identity;
@@ -204,9 +204,8 @@ impl Transmitter {
 
     /// Adds the bytes of one step to the credit, which is at most that of a snapshot period.
     fn earn(&mut self) {
-        let ExchangeConfig { budget_bytes_s, snapshot_period_s, .. } = self.config.exchange;
-        let (more, most) =
-            (budget_bytes_s * self.config.period_s, budget_bytes_s * snapshot_period_s);
+        let budget_bytes_s = self.config.exchange.budget_bytes_s;
+        let (more, most) = (budget_bytes_s * self.config.period_s, self.most_credit());
         self.credit = (self.credit + more).min(most);
         // Finite, so that an infinite credit minus it stays infinite.
         let most_saved = (SNAPSHOT_SHARE * most).min(f64::MAX);
@@ -313,7 +312,7 @@ impl Transmitter {
     ) -> Option<SentFact> {
         let StepContent { now, step, pose, knowledge, .. } = *draft.content;
         let header = self.header_bytes(channel, now, step, pose);
-        let sets = Sets::of(knowledge, self.config.raster_grid());
+        let sets = KnownSets::of(knowledge, self.config.raster_grid());
         let last = self.levels.get(&channel).copied().unwrap_or_default();
         let mut offers: Vec<(Offer, u32, Vec<u8>)> = Vec::new();
         for level in last.saturating_sub(1)..=LEVELS {
@@ -330,8 +329,8 @@ impl Transmitter {
                 offers.push((offer, level, body));
             }
         }
-        let best =
-            self.price.best(offers.iter().map(|(offer, ..)| *offer), limit / self.most_credit());
+        let full = limit / (self.most_credit() - self.saved);
+        let best = self.price.best(offers.iter().map(|(offer, ..)| *offer), full);
         let (_, level, body) = offers.swap_remove(best?);
         self.levels.insert(channel, level);
         repair.blocks_said(step, draft.blocks_at(level));

@@ -20,12 +20,12 @@ const NEWEST: f64 = 0.1;
 
 /// The sets of an agent, from which facts remove something.
 #[derive(Debug, Clone)]
-pub struct Sets {
+pub struct KnownSets {
     unexplored: Raster,
     targets: BTreeMap<TargetId, Raster>,
 }
 
-impl Sets {
+impl KnownSets {
     /// X̄ and X_j of `knowledge` on `grid`.
     pub fn of(knowledge: &Knowledge, grid: Grid) -> Self {
         let targets = knowledge.targets.iter();
@@ -74,8 +74,8 @@ pub struct Price {
 }
 
 impl Price {
-    /// The index of the offer of a step that is worth most above its price, if any is worth it. `full` is the credit, as a share
-    /// of the most that is kept.
+    /// The index of the offer of a step that is worth most above the price of its bytes, if any is worth that. `full` is
+    /// the credit, as a share of the most that is kept.
     pub fn best(
         &mut self,
         offers: impl Iterator<Item = Offer> + Clone,
@@ -129,7 +129,7 @@ mod tests {
         let known = TargetId(4);
         let set = Outer::containing(square([-100.0, -100.0], 40.0));
         knowledge.sets.targets.insert(known, set);
-        let sets = Sets::of(&knowledge, grid);
+        let sets = KnownSets::of(&knowledge, grid);
         let worth_m2 = |change: &dyn Fn(&mut Fact)| {
             let mut fact = nothing(grid);
             change(&mut fact);
