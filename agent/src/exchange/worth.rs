@@ -83,7 +83,7 @@ impl Price {
     ) -> Option<usize> {
         let of_a_byte = offers.clone().map(|offer| offer.worth_m2 / offer.bytes);
         self.lately_m2 += NEWEST * (of_a_byte.fold(0.0, f64::max) - self.lately_m2);
-        let price_m2 = self.lately_m2 * (1.0 - full.clamp(0.0, 1.0));
+        let price_m2 = self.lately_m2 * (1.0 - full.clamp(0.0, 1.0)).powi(2);
         let profits = offers.map(|offer| offer.worth_m2 - price_m2 * offer.bytes).enumerate();
         let (index, profit_m2) = profits.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
         (profit_m2 > 0.0).then_some(index)
