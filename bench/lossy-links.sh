@@ -25,5 +25,4 @@ sweep range --vary netem.radio.range_m=25,50,100,200,400,inf --vary "$modes"
 sweep loss --vary 'netem.radio.loss=iid-30:{model="iid",p=0.3},iid-60:{model="iid",p=0.6},iid-90:{model="iid",p=0.9},bursts-30:{model="gilbert-elliott",p=0.042857,r=0.1},bursts-60:{model="gilbert-elliott",p=0.15,r=0.1},bursts-90:{model="gilbert-elliott",p=0.9,r=0.1}' \
     --vary 'exchange.mode=facts,facts+repair'
 sweep delay --vary netem.radio.delay.mean_s=0,1,3,10 --vary 'exchange.mode=facts,facts+repair'
-sweep budget --vary exchange.budget_bytes_s=300,1000,3000,inf \
-    --vary 'exchange.mode=facts+repair,snapshot'
+sweep budget --vary exchange.budget_bytes_s=150,300,1000,3000,inf
