@@ -89,6 +89,7 @@ fn boxes_that_are_too_large_are_refused_with_the_value_at_which_they_are() {
     let base = scratch();
     for (sets, what) in [
         (&["pose.error=[0, 0, 0, 8, 5, 0]"][..], "11.84 degrees together"),
+        (&["pose.error=[1e300, 1, 0, 0, 0, 0]"], "up to 500 m, the longer side of the region"),
         (&["pose.error=[0, 0, 0, 0, 0, 60]"], "up to 57 degrees"),
         (&["pose.error=[0, 0, 52, 0, 0, 0]"], "below the lowest altitude, 52 m"),
         (

@@ -71,6 +71,11 @@ fn limits(check: &mut Check, scenario: &Scenario, pose: &ObserverModel) {
         "true where poses are not exact",
         "pose.error = [0, 0, 0, 0, 0, 0] with fixes at every step: keeping clear of buildings needs the exact place",
     );
+    let widest_m = scenario.map.size_m.into_iter().fold(0.0, f64::max);
+    let expected = format!(
+        "first numbers, the errors of x and y, up to {widest_m} m, the longer side of the region"
+    );
+    check.that(x.max(y) <= widest_m, &["pose.error", "map.size_m"], &got, &expected);
     let [lowest_m, highest_m] = altitudes(&scenario.agents);
     let expected =
         format!("a third number, the error of the height, below the lowest altitude, {lowest_m} m");
