@@ -384,6 +384,7 @@ impl SetMembershipAgent {
             measured: &measured,
             changed: self.knowledge.oem.changes(&measured.oem),
             knowledge: &self.knowledge,
+            unexplored_cells: self.knowledge.unexplored_cells(),
             held,
             uavs: self.fleet(),
         };

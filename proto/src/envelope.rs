@@ -96,8 +96,7 @@ impl Envelope {
         if crc32fast::hash(content) != u32::from_le_bytes(*checksum) {
             return Err(EnvelopeError::Checksum);
         }
-        let envelope: Self = decode_whole(content).ok_or(EnvelopeError::Malformed)?;
-        Ok(envelope)
+        decode_whole(content).ok_or(EnvelopeError::Malformed)
     }
 }
 

@@ -39,17 +39,19 @@ pub fn fit(
     first: u32,
     said: impl Fn(u32) -> Message,
 ) -> Option<(u32, Vec<u8>)> {
-    let at = |level: u32| {
-        let message = said(level);
-        check_vertices(max_vertices, &message).ok()?;
-        let body = encode(&message);
-        (body.len() as f64 <= room).then_some((level, body))
-    };
+    let at = |level: u32| Some((level, fitting(room, max_vertices, &said(level))?));
     let first = first.min(LEVELS);
     match at(first) {
         Some(fitting) => Some((0..first).rev().map_while(at).last().unwrap_or(fitting)),
         None => (first + 1..=LEVELS).find_map(at),
     }
+}
+
+/// The encoded body of a message with at most `max_vertices`, if it has at most `room` bytes.
+pub fn fitting(room: f64, max_vertices: u32, message: &Message) -> Option<Vec<u8>> {
+    check_vertices(max_vertices, message).ok()?;
+    let body = encode(message);
+    (body.len() as f64 <= room).then_some(body)
 }
 
 /// The body of a message.

@@ -12,9 +12,8 @@ use csat_proto::raster::Raster;
 use csat_proto::region::Region;
 use csat_proto::time::{SimTime, Step};
 
-use super::budget::{LEVELS, Shortener, encode, fit};
+use super::budget::{LEVELS, Shortener, encode, fit, fitting};
 use super::repair::{BLOCKS_PER_FACT, Repair};
-use super::validate::check_vertices;
 use super::worth::{KnownSets, Offer, Price};
 use crate::config::{AgentConfig, ExchangeConfig, ExchangeMode};
 use crate::estimate::state::Knowledge;
@@ -44,6 +43,8 @@ pub struct StepContent<'a> {
     pub changed: BTreeMap<u32, OemCell>,
     /// What the agent knew before the frame.
     pub knowledge: &'a Knowledge,
+    /// The X̄ of that knowledge on [`AgentConfig::raster_grid`].
+    pub unexplored_cells: &'a Raster,
     /// The digest of what it held before the frame.
     pub held: Digest,
     /// The last known positions of UAVs, metres.
@@ -310,9 +311,9 @@ impl Transmitter {
         repair: &mut Repair,
         limit: f64,
     ) -> Option<SentFact> {
-        let StepContent { now, step, pose, knowledge, .. } = *draft.content;
-        let header = self.header_bytes(channel, now, step, pose);
-        let sets = KnownSets::of(knowledge, self.config.raster_grid());
+        let StepContent { knowledge, unexplored_cells, .. } = *draft.content;
+        let header = self.header_bytes(channel, draft.content);
+        let sets = KnownSets::of(knowledge, unexplored_cells);
         let last = self.levels.get(&channel).copied().unwrap_or_default();
         let mut offers: Vec<(Offer, u32, Vec<u8>)> = Vec::new();
         for level in last.saturating_sub(1)..=LEVELS {
@@ -321,21 +322,16 @@ impl Transmitter {
             }
             let fact = draft.fact_at(level);
             let worth_m2 = sets.worth_m2(&fact);
-            let message = Message::Fact(fact);
-            let body = encode(&message);
-            let offer = Offer { worth_m2, bytes: header + body.len() as f64 };
-            let is_accepted = check_vertices(self.config.exchange.max_vertices, &message).is_ok();
-            if is_accepted && offer.bytes <= limit {
-                offers.push((offer, level, body));
+            let max_vertices = self.config.exchange.max_vertices;
+            if let Some(body) = fitting(limit - header, max_vertices, &Message::Fact(fact)) {
+                let bytes = header + body.len() as f64;
+                offers.push((Offer { worth_m2, bytes }, level, body));
             }
         }
         let full = limit / (self.most_credit() - self.saved);
         let best = self.price.best(offers.iter().map(|(offer, ..)| *offer), full);
         let (_, level, body) = offers.swap_remove(best?);
-        self.levels.insert(channel, level);
-        repair.blocks_said(step, draft.blocks_at(level));
-        let identity = self.say(channel, now, step, pose, body);
-        Some(SentFact { identity, in_full: level == 0 })
+        Some(self.say_version(channel, draft, repair, level, body))
     }
 
     /// The most credit that is kept, bytes.
@@ -360,18 +356,31 @@ impl Transmitter {
         limit: f64,
         message: impl Fn(u32) -> Message,
     ) -> Option<SentFact> {
-        let StepContent { now, step, pose, .. } = *draft.content;
         let first = self.levels.get(&channel).copied().unwrap_or_default();
-        let room = limit - self.header_bytes(channel, now, step, pose);
+        let room = limit - self.header_bytes(channel, draft.content);
         let (level, body) = fit(room, self.config.exchange.max_vertices, first, message)?;
+        Some(self.say_version(channel, draft, repair, level, body))
+    }
+
+    /// Sends the version of a message at a level of simplification.
+    fn say_version(
+        &mut self,
+        channel: ChannelId,
+        draft: &Draft<'_>,
+        repair: &mut Repair,
+        level: u32,
+        body: Vec<u8>,
+    ) -> SentFact {
+        let StepContent { now, step, pose, .. } = *draft.content;
         self.levels.insert(channel, level);
         repair.blocks_said(step, draft.blocks_at(level));
         let identity = self.say(channel, now, step, pose, body);
-        Some(SentFact { identity, in_full: level == 0 })
+        SentFact { identity, in_full: level == 0 }
     }
 
     /// How many bytes of the next message on a channel are no body, at most.
-    fn header_bytes(&self, channel: ChannelId, now: SimTime, step: Step, pose: Pose) -> f64 {
+    fn header_bytes(&self, channel: ChannelId, content: &StepContent<'_>) -> f64 {
+        let StepContent { now, step, pose, .. } = *content;
         let sequence = self.sequences.get(&channel).copied().unwrap_or_default();
         let empty = self.envelope(channel, sequence, now, step, pose, Vec::new()).encode().len();
         (empty + LENGTH_BYTES) as f64
@@ -465,6 +474,8 @@ mod tests {
         config.exchange.snapshot_period_s = 1e6;
         let measured = Measured::nothing(config.raster_grid());
         let knowledge = chequered(&config);
+        let unexplored_cells =
+            Raster::of_region(config.raster_grid(), knowledge.unexplored.region());
         let hashes = knowledge.oem.block_hashes();
         let (mut transmitter, mut repair) = (Transmitter::new(&config), Repair::new(&config));
         transmitter.next_snapshot = Step(u32::MAX);
@@ -482,6 +493,7 @@ mod tests {
                 measured: &measured,
                 changed: BTreeMap::new(),
                 knowledge: &knowledge,
+                unexplored_cells: &unexplored_cells,
                 held: repair.hold(step, Vec::new(), &hashes),
                 uavs: Vec::new(),
             };

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use csat_proto::ids::TargetId;
 use csat_proto::message::Fact;
-use csat_proto::raster::{Grid, Raster};
+use csat_proto::raster::Raster;
 
 use crate::estimate::state::Knowledge;
 
@@ -20,17 +20,17 @@ const NEWEST: f64 = 0.1;
 
 /// The sets of an agent, from which facts remove something.
 #[derive(Debug, Clone)]
-pub struct KnownSets {
-    unexplored: Raster,
+pub struct KnownSets<'a> {
+    unexplored: &'a Raster,
     targets: BTreeMap<TargetId, Raster>,
 }
 
-impl KnownSets {
-    /// X̄ and X_j of `knowledge` on `grid`.
-    pub fn of(knowledge: &Knowledge, grid: Grid) -> Self {
-        let targets = knowledge.targets.iter();
+impl<'a> KnownSets<'a> {
+    /// The sets X_j of `knowledge`, whose X̄ is `unexplored`, on the same grid.
+    pub fn of(knowledge: &Knowledge, unexplored: &'a Raster) -> Self {
+        let (grid, targets) = (*unexplored.grid(), knowledge.targets.iter());
         Self {
-            unexplored: Raster::of_region(grid, knowledge.unexplored.region()),
+            unexplored,
             targets: targets.map(|(j, set)| (*j, Raster::of_region(grid, set.region()))).collect(),
         }
     }
@@ -42,7 +42,7 @@ impl KnownSets {
         cleared.fill_region(&fact.obstacle_margin);
         let mut of_targets = 0.0;
         for seen in &fact.targets {
-            let before = self.targets.get(&seen.target).unwrap_or(&self.unexplored);
+            let before = self.targets.get(&seen.target).unwrap_or(self.unexplored);
             let mut removed = before.clone();
             removed.subtract(&Raster::of_region(grid, &seen.location));
             of_targets += removed.area_m2();
@@ -50,7 +50,7 @@ impl KnownSets {
         }
         let unseen =
             self.targets.iter().filter(|(j, _)| fact.targets.iter().all(|t| t.target != **j));
-        let sets = std::iter::once(&self.unexplored).chain(unseen.map(|(_, set)| set));
+        let sets = std::iter::once(self.unexplored).chain(unseen.map(|(_, set)| set));
         let cells: u32 = sets.map(|set| set.count_common(&cleared)).sum();
         let map = fact.oem.deltas().count() as f64 * MAP_CELL_M2;
         f64::from(cells) * grid.cell_m * grid.cell_m + of_targets + map
@@ -95,6 +95,7 @@ mod tests {
     use super::*;
     use csat_proto::message::{Digest, TargetFact};
     use csat_proto::oem::{OemCell, OemDelta, OemPatch};
+    use csat_proto::raster::Grid;
     use csat_proto::region::{Region, grid_point};
     use csat_proto::time::Step;
 
@@ -129,7 +130,8 @@ mod tests {
         let known = TargetId(4);
         let set = Outer::containing(square([-100.0, -100.0], 40.0));
         knowledge.sets.targets.insert(known, set);
-        let sets = KnownSets::of(&knowledge, grid);
+        let unexplored = Raster::of_region(grid, knowledge.unexplored.region());
+        let sets = KnownSets::of(&knowledge, &unexplored);
         let worth_m2 = |change: &dyn Fn(&mut Fact)| {
             let mut fact = nothing(grid);
             change(&mut fact);

@@ -240,18 +240,20 @@ impl RoundedViews {
     pub(super) fn expect(&mut self, error: &PoseError) {
         if self.pose_error != *error {
             self.pose_error = *error;
-            self.known.clear();
-            self.viewsheds.clear();
-            self.footprints.clear();
+            self.forget();
         }
+    }
+
+    fn forget(&mut self) {
+        self.known.clear();
+        self.viewsheds.clear();
+        self.footprints.clear();
     }
 
     /// Loads `oem` for the next looks.
     pub(super) fn load(&mut self, oem: &Oem) {
         if self.caster.load(oem) || self.known.len() > MOST {
-            self.known.clear();
-            self.viewsheds.clear();
-            self.footprints.clear();
+            self.forget();
         }
     }
 

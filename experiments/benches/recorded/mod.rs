@@ -52,6 +52,8 @@ pub struct Moment {
     pub sensor: Sensor,
     /// Before the frame.
     pub before: Knowledge,
+    /// X̄ before the frame.
+    pub unexplored_cells: Raster,
     pub measured: Measured,
     /// Cells of the map that the frame changed.
     pub changed: BTreeMap<u32, OemCell>,
@@ -118,6 +120,7 @@ fn record(
 ) -> Moment {
     let config = agents[0].config().clone();
     let before = Knowledge::clone(agents[0].knowledge());
+    let unexplored_cells = Raster::of_region(config.raster_grid(), before.unexplored.region());
     let known: Vec<Known> = agents.iter().skip(1).map(|agent| known(agent.knowledge())).collect();
     for (agent, frame) in agents.iter_mut().zip(&frames) {
         agent.handle_frame(now, frame);
@@ -148,6 +151,7 @@ fn record(
         frame: frames.swap_remove(0),
         sensor,
         before,
+        unexplored_cells,
         measured,
         changed,
         held,

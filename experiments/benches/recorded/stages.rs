@@ -103,6 +103,7 @@ pub fn stage_say((transmitter, repair): &mut (Transmitter, Repair), moment: &Mom
         measured: &moment.measured,
         changed: moment.changed.clone(),
         knowledge: &moment.before,
+        unexplored_cells: &moment.unexplored_cells,
         held: Digest {
             facts: moment.held.clone(),
             oem: moment.before.oem.block_hashes().told_at(moment.frame.step),
