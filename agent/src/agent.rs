@@ -419,7 +419,6 @@ impl SetMembershipAgent {
     fn plan(&mut self, pass: &Pass, yaw_rad: f64) -> (Decision, Option<WayOut>) {
         let pose = Pose { yaw_rad, ..self.pose };
         let expected = expected_pose_error(&self.config.pose_error, &self.pose_error);
-        self.planner.expect(&expected);
         let is_shared = expected == self.config.pose_error;
         let oem = &self.knowledge.oem;
         let ways = self.airspace.as_ref().map(|air| air.ways(&pose, oem, pass.step));
@@ -439,6 +438,7 @@ impl SetMembershipAgent {
             hidden_recent: &rasters.hidden_recently,
             oem,
             view_cache: is_shared.then(|| self.knowledge.view_cache()),
+            pose_error: expected,
             ways: ways.as_ref(),
         };
         let decision = self.planner.plan(&input, &pose, &pass.poses);

@@ -216,6 +216,7 @@ impl Lab {
             hidden_recent: &hidden_recent,
             oem: &self.oem,
             view_cache: None,
+            pose_error: self.configs[0].pose_error,
             ways: None,
         };
         let poses = self.world.poses();

@@ -10,7 +10,7 @@
 
 use std::collections::BTreeSet;
 
-use csat_proto::camera::{Pose, PoseError};
+use csat_proto::camera::Pose;
 use csat_proto::raster::{Grid, Raster};
 
 use super::connectivity::Connectivity;
@@ -83,12 +83,6 @@ impl Beam {
         }
     }
 
-    /// See [`super::Planner::expect`].
-    pub(super) fn expect(&mut self, error: &PoseError) {
-        self.rounded_views.expect(error);
-        self.first_looks.expect(error);
-    }
-
     /// See [`super::Planner::plan`].
     pub(super) fn plan(
         &mut self,
@@ -96,6 +90,8 @@ impl Beam {
         pose: &Pose,
         neighbours: &[Vec<Pose>],
     ) -> Decision {
+        self.rounded_views.expect(&input.pose_error);
+        self.first_looks.expect(&input.pose_error);
         self.rounded_views.load(input.oem);
         let margin = self.coarse(input.margin);
         let remaining = self.coarse(input.wanted);

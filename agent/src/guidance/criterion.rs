@@ -93,7 +93,7 @@ impl VisibilityModel {
         }
     }
 
-    /// See [`super::Planner::expect`].
+    /// See [`super::PlannerInput::pose_error`].
     pub(super) fn expect(&mut self, error: &PoseError) {
         self.pose_error = *error;
     }

@@ -64,7 +64,7 @@ impl FirstLooks {
         }
     }
 
-    /// See [`super::Planner::expect`].
+    /// See [`super::PlannerInput::pose_error`].
     pub(super) fn expect(&mut self, error: &PoseError) {
         if self.pose_error != *error {
             self.pose_error = *error;

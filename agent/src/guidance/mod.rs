@@ -82,6 +82,9 @@ pub struct PlannerInput<'a> {
     /// The views of `wanted` given `oem` that agents with this knowledge, and with the same box about their poses, share;
     /// `str1` to `str3`.
     pub view_cache: Option<&'a ViewCache>,
+    /// The half-widths of the box about each predicted pose, also of the other UAVs. Ground counts as seen from a pose if
+    /// it is seen from all poses of the box about it.
+    pub pose_error: PoseError,
     /// Which increments may be flown, at least one; `None` where buildings are below the flights.
     pub ways: Option<&'a Ways<'a>>,
 }
@@ -188,16 +191,6 @@ impl Planner {
         }
     }
 
-    /// The half-widths of the box about each pose of the next plans; at first [`AgentConfig::pose_error`]. Ground counts
-    /// as seen from a predicted pose if it is seen from all poses of the box about it. The same box stands for the
-    /// other UAVs.
-    pub fn expect(&mut self, error: &PoseError) {
-        self.visibility.expect(error);
-        if let Method::Beam(beam) = &mut self.method {
-            beam.expect(error);
-        }
-    }
-
     /// The best sequence of yaw increments from `pose` (`world`, metres; its yaw is the last
     /// commanded one); in `str1` to `str3` by exhaustive search.
     ///
@@ -209,6 +202,7 @@ impl Planner {
         pose: &Pose,
         neighbours: &[Vec<Pose>],
     ) -> Decision {
+        self.visibility.expect(&input.pose_error);
         match &mut self.method {
             Method::Tree => self.search_tree(input, pose, neighbours),
             Method::Beam(beam) => beam.plan(input, pose, neighbours),

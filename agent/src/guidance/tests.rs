@@ -39,6 +39,7 @@ pub(super) struct Scene {
     pub(super) hidden_now: Raster,
     pub(super) hidden_recent: Raster,
     pub(super) oem: Oem,
+    pub(super) pose_error: PoseError,
 }
 
 impl Scene {
@@ -50,6 +51,7 @@ impl Scene {
             hidden_now: empty.clone(),
             hidden_recent: empty,
             oem: Oem::unexplored(config.oem_grid()),
+            pose_error: config.pose_error,
         }
     }
 
@@ -62,6 +64,7 @@ impl Scene {
             hidden_recent: &self.hidden_recent,
             oem: &self.oem,
             view_cache: None,
+            pose_error: self.pose_error,
             ways: None,
         }
     }
@@ -186,18 +189,18 @@ fn a_wider_box_about_the_pose_sees_less() {
         config.guidance.criterion = criterion;
         let mut scene = both_sides(&config);
         fill(&mut scene.wanted, [-250.0, 0.0], [-150.0, 30.0]);
-        let plan = |planner: &mut Planner| planner.plan(&scene.input(), &middle(), &[]);
         let wide = PoseError { p_world: [20.0, 20.0, 0.0], ..PoseError::NONE };
+        let plan = |planner: &mut Planner, pose_error| {
+            planner.plan(&PlannerInput { pose_error, ..scene.input() }, &middle(), &[])
+        };
         let always_wide = AgentConfig { pose_error: wide, ..config.clone() };
-        let expected = plan(&mut Planner::new(&always_wide));
+        let expected = plan(&mut Planner::new(&always_wide), wide);
         let mut planner = Planner::new(&config);
-        let exact = plan(&mut planner);
-        planner.expect(&wide);
-        let grown = plan(&mut planner);
+        let exact = plan(&mut planner, PoseError::NONE);
+        let grown = plan(&mut planner, wide);
         assert_eq!(grown, expected, "{criterion:?}");
         assert!(grown.cost > exact.cost, "{criterion:?}: {} {}", grown.cost, exact.cost);
-        planner.expect(&PoseError::NONE);
-        assert_eq!(plan(&mut planner), exact, "{criterion:?}");
+        assert_eq!(plan(&mut planner, PoseError::NONE), exact, "{criterion:?}");
     }
 }
 

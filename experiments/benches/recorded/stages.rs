@@ -60,6 +60,7 @@ fn decide(planner: &mut Planner, moment: &Moment, passes: usize) -> Option<Decis
         hidden_recent: &rasters.hidden_recently,
         oem: &knowledge.oem,
         view_cache: Some(&view_cache),
+        pose_error: moment.config.pose_error,
         ways: None,
     };
     let pass = |_| planner.plan(&input, &moment.frame.pose, &moment.plans);
