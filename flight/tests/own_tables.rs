@@ -222,9 +222,9 @@ fn each_key_of_a_fixed_wing_aircraft_changes_its_flight() {
 fn impossible_aircraft_are_refused() {
     for (key, expected) in [
         ("roll_max_deg=80", "above 0 and below 80 degrees"),
-        ("roll_time_constant_s=0", "a number above 0"),
-        ("heading_time_constant_s=-1", "a number above 0"),
-        ("pitch_time_constant_s=nan", "a number above 0"),
+        ("roll_time_constant_s=0", "a finite number above 0"),
+        ("heading_time_constant_s=-1", "a finite number above 0"),
+        ("pitch_time_constant_s=nan", "a finite number above 0"),
         ("pitch_trim_deg=46", "from -45 to 45 degrees"),
         ("wind_m_s=[3,4]", "a wind slower than agents.speed_m_s = 5 m/s"),
         ("wind_m_s=[nan,0]", "a wind slower than agents.speed_m_s = 5 m/s"),
@@ -254,7 +254,7 @@ fn targets_stand_or_walk_in_towns_and_on_open_ground() {
     let text = refused(other_with(&["targets.walk_m_sqrt_s=4"]));
     assert!(text.contains("4.0 with targets.driving = \"roads\""), "{text}");
     let text = refused(other_with(&[walk, "targets.walk_m_sqrt_s=-1"]));
-    assert!(text.contains("0 or a number above it"), "{text}");
+    assert!(text.contains("a finite number from 0 on"), "{text}");
     let text = refused(other_with(&[
         "map.size_m=[100,100]",
         "targets.driving=static",

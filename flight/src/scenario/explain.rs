@@ -1,18 +1,23 @@
 //! Serde's errors in the words of an author of scenarios.
 
+use super::mission::tables_of;
+use super::missions;
 use super::mistake::{Mistake, did_you_mean};
+use super::read::Form;
 use super::source::Site;
 use super::tree::{self, Node, Table};
 use super::unit::Unit;
 use super::validate;
 
 /// What deserialising one unit came to.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Failure {
     /// Serde's message.
     pub message: String,
     /// The key inside the unit that is to blame, when the unit is a table.
     pub culprit: Option<String>,
+    /// Where the element to blame is in the value, if that is a list.
+    pub indexes: Vec<usize>,
     /// Keys that a table of this model must have and does not.
     pub missing: Vec<String>,
 }
@@ -33,10 +38,15 @@ pub fn explain(
     }
     let culprit = failure.culprit.as_deref();
     let inner = culprit.and_then(|key| unit.node.child(key));
-    let node = inner.unwrap_or(unit.node);
-    let mut path = unit.path.join(".");
+    let mut node = inner.unwrap_or(unit.node);
+    let mut path = unit.name();
     if let (Some(key), Some(_)) = (culprit, inner) {
         path = format!("{path}.{key}");
+    }
+    for index in &failure.indexes {
+        if let Some(element) = node.element(*index) {
+            (node, path) = (element, format!("{path}[{index}]"));
+        }
     }
     if message.starts_with("unknown variant") {
         return unknown_variant(unit, node, &path, named, message);
@@ -98,16 +108,14 @@ fn unknown_key(
     // The first key on the way that the defaults do not know; else one inside the unit.
     let depth = (0..unit.path.len())
         .find(|&i| unit.path[i] == named && !has_path(defaults, &unit.path[..=i]));
-    let (site, table) = match depth {
-        Some(depth) => {
-            let node = tree::exact(tree, &unit.path[..=depth].join("."));
-            (node.unwrap_or(unit.node).key.clone(), unit.path[..depth].join("."))
-        }
-        None => {
-            let node = unit.node.find_key(named).unwrap_or(unit.node);
-            (node.key.clone(), unit.path.join("."))
-        }
+    let way = &unit.path[..depth.unwrap_or(unit.path.len())];
+    let path = [way, &[named.to_owned()]].concat();
+    let node = match depth {
+        Some(_) => tree::exact(tree, &path.join(".")),
+        None => unit.node.find_key(named),
     };
+    let site = node.unwrap_or(unit.node).key.clone();
+    let table = way.join(".");
     let table = if table.is_empty() { "a scenario".to_owned() } else { format!("[{table}]") };
     let mut candidates: Vec<&str> = quoted(message).skip(1).collect();
     candidates.dedup();
@@ -115,10 +123,22 @@ fn unknown_key(
     if !candidates.is_empty() {
         mistake = mistake.expected(one_of(&candidates));
     }
-    if let Some(guess) = did_you_mean(named, candidates) {
-        mistake = mistake.help(guess);
+    let guess = || did_you_mean(named, candidates);
+    if let Some(help) = of_another_mission(defaults, &path).or_else(guess) {
+        mistake = mistake.help(help);
     }
     (site, mistake)
+}
+
+/// Which other mission than that of `defaults` has a key in a table of this name.
+fn of_another_mission(defaults: &toml::Table, path: &[String]) -> Option<String> {
+    let own = defaults.get("mission").and_then(toml::Value::as_str);
+    let mut others = missions::all().iter().filter(|mission| Some(mission.kind().name) != own);
+    let other = others.find(|mission| {
+        tables_of(**mission).contains(&path[0])
+            && has_path(&Form { mission: **mission }.defaults(), path)
+    })?;
+    Some(format!("`{}` belongs to the mission `{}`", path.join("."), other.kind().name))
 }
 
 fn unknown_variant(
@@ -191,6 +211,7 @@ fn plain_type(expected: &str) -> String {
         "a string" => "a text in quotes".to_owned(),
         "a boolean" => "`true` or `false`".to_owned(),
         "a sequence" => "a list".to_owned(),
+        "fewer elements in array" => "fewer values".to_owned(),
         other => match other.strip_prefix("an array of length ") {
             Some(length) => format!("a list of {length} values"),
             None if other.starts_with("struct ") || other.starts_with("internally tagged") => {

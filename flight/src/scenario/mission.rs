@@ -35,7 +35,7 @@ pub fn choose(
 }
 
 /// The names of the tables of a mission.
-fn tables_of(mission: &dyn Listed) -> Vec<String> {
+pub(super) fn tables_of(mission: &dyn Listed) -> Vec<String> {
     let mut all: Vec<String> = mission.tables().keys().cloned().collect();
     if mission.kind().name == SET_MEMBERSHIP {
         all.extend(OF_SET_MEMBERSHIP.map(str::to_owned));

@@ -32,7 +32,7 @@ pub fn read(
         let failures = judge(&form, &defaults, unit);
         if failures.is_empty() {
             apply_accepted(&mut accepted, unit);
-        } else if unit.is_element {
+        } else if unit.element.is_some() {
             left_out.push(&unit.path);
         }
         for failure in failures {
@@ -88,29 +88,84 @@ fn judge(form: &Form<'_>, defaults: &toml::Table, unit: &Unit<'_>) -> Vec<Failur
         // error is gone. Taken out, it lets the next error show.
         let without = |key: &str| {
             let mut rest = value.clone();
-            entries(&mut rest)?.remove(key);
-            Some(rest)
+            let bad = entries(&mut rest)?.remove(key)?;
+            Some((bad, rest))
         };
         let culprit = entries(&mut value.clone()).and_then(|table| {
             table.keys().filter(|key| *key != "model").find_map(|key| {
-                let rest = without(key)?;
+                let (bad, rest) = without(key)?;
                 let next = attempt(form, defaults, unit, &rest);
                 let changed = next.is_none_or(|n| n.message != failure.message);
-                changed.then(|| (key.clone(), rest))
+                changed.then(|| (key.clone(), bad, rest))
             })
         });
         match culprit {
-            Some((key, rest)) => {
+            Some((key, bad, rest)) => {
+                let with = |part| {
+                    let mut whole = value.clone();
+                    entries(&mut whole)?.insert(key.clone(), part);
+                    attempt(form, defaults, unit, &whole)
+                };
+                let failure = closer(failure, &bad, &with);
                 failures.push(Failure { culprit: Some(key), ..failure });
                 value = rest;
             }
             None => {
-                failures.push(failure);
+                let with = |part| attempt(form, defaults, unit, &part);
+                failures.push(match unit.element {
+                    Some(_) => failure,
+                    None => closer(failure, &value, &with),
+                });
                 break;
             }
         }
     }
     failures
+}
+
+/// The failure of a value with the place in its lists that is to blame, and with the names that are known where serde
+/// wanted a name; `with` tells what another value in its place fails with.
+fn closer(
+    mut failure: Failure,
+    value: &toml::Value,
+    with: &dyn Fn(toml::Value) -> Option<Failure>,
+) -> Failure {
+    let fails = |value| with(value).is_some_and(|other| other.message == failure.message);
+    let mut indexes = indexes(value, &fails);
+    if failure.message.starts_with("invalid length") {
+        // It is the list that has this length, and not its last element.
+        indexes.pop();
+    }
+    if let Some(length) = failure.message.strip_suffix("fewer elements in array")
+        && indexes.is_empty()
+        && let Some(none) = with(toml::Value::Array(Vec::new()))
+        && let Some((_, expected)) = none.message.split_once(", expected ")
+    {
+        failure.message = format!("{length}{expected}");
+    }
+    // Serde lists the names only if there is text.
+    let is_nameless = failure.message.contains("unit variant") && !value.is_str();
+    let named = is_nameless.then(|| with(toml::Value::String(value.to_string()))).flatten();
+    Failure { indexes, ..named.unwrap_or(failure) }
+}
+
+/// Where in a list, and in the lists in it, the element is that is to blame: lists that end with it fail in the same
+/// way, and shorter ones do not.
+fn indexes(value: &toml::Value, fails: &dyn Fn(toml::Value) -> bool) -> Vec<usize> {
+    let toml::Value::Array(all) = value else { return Vec::new() };
+    let first = |count: usize| toml::Value::Array(all[..count].to_vec());
+    match (0..=all.len()).find(|count| fails(first(*count))) {
+        // Of the empty list it is the type that is wrong.
+        None | Some(0) => Vec::new(),
+        Some(count) => {
+            let inner = |element| {
+                let mut list = all[..count - 1].to_vec();
+                list.push(element);
+                fails(toml::Value::Array(list))
+            };
+            [vec![count - 1], indexes(&all[count - 1], &inner)].concat()
+        }
+    }
 }
 
 /// The key that serde misses.
@@ -164,7 +219,7 @@ fn attempt(
     unit: &Unit<'_>,
     value: &toml::Value,
 ) -> Option<Failure> {
-    let failure = |message| Some(Failure { message, culprit: None, missing: Vec::new() });
+    let failure = |message| Some(Failure { message, ..Failure::default() });
     let is_table = lookup(defaults, &unit.path).is_some_and(toml::Value::is_table);
     if is_table && value.is_array() {
         // Serde takes the elements for the fields, in their order.
@@ -173,10 +228,6 @@ fn attempt(
     let mut candidate = defaults.clone();
     apply(&mut candidate, &unit.path, value.clone(), unit.replaces);
     let error = form.scenario(candidate).err()?;
-    if error.message().contains("unit variant") && !(value.is_str() || value.is_table()) {
-        // Serde lists the names only if there is text.
-        return attempt(form, defaults, unit, &toml::Value::String(value.to_string()));
-    }
     failure(form.in_its_names(error.message()))
 }
 
@@ -226,7 +277,7 @@ impl Form<'_> {
 }
 
 fn apply_accepted(accepted: &mut toml::Table, unit: &Unit<'_>) {
-    if unit.is_element
+    if unit.element.is_some()
         && let Some(toml::Value::Array(present)) = lookup_mut(accepted, &unit.path)
         && let toml::Value::Array(new) = &unit.value
     {

@@ -29,6 +29,11 @@ pub fn parse(sources: &mut Sources, argument: &str, mistakes: &mut Vec<Mistake>)
         return table;
     }
     let (key, value) = argument.split_at(equals + 1);
+    if value.trim().is_empty() {
+        let text = format!("`{}` has no value", key.trim_end_matches('=').trim());
+        mistakes.push(refuse(&text, sources));
+        return Table::new();
+    }
     let quoted = Quoted::new(value);
     // The same document with quotes around plain words.
     let mut scratch = Sources::default();
@@ -212,6 +217,10 @@ mod tests {
             ["error: this is not an assignment\n --> --set\n |\n | a.b\n | ^^^\n \
               = expected `key=value`, such as `agents.count=6`\n"]
         );
+        for empty in ["a.b=", "a.b = ", "a.b =\t"] {
+            let said = &value(empty).unwrap_err()[0];
+            assert!(said.starts_with("error: `a.b` has no value\n"), "{said}");
+        }
         assert!(value("a b=word").unwrap_err()[0].contains("this key is not TOML"));
         assert!(value("a.b=[1,").unwrap_err()[0].contains("not TOML"));
         assert!(value("a.b=1\nc=2").unwrap_err()[0].contains("not an assignment"));

@@ -7,7 +7,7 @@ const STATION: &str = "stations=[{x_m=0,y_m=0,z_m=2}]";
 #[test]
 fn a_station_needs_a_place() {
     for (set, message, expected) in [
-        ("stations=[{x_m=0,y_m=0}]", "`stations` lacks the key `z_m`", ""),
+        ("stations=[{x_m=0,y_m=0}]", "`stations[0]` lacks the key `z_m`", ""),
         ("stations=[{x_m=0,y_m=0,z_m=2,kind=1}]", "unknown key `kind` in [stations]", "`x_m`"),
         ("stations=3", "`stations` cannot be 3", "a list"),
         ("stations={x_m=0,y_m=0,z_m=2}", "`stations` cannot be a table", "`[[stations]]`"),

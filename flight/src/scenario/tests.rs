@@ -25,6 +25,12 @@ pub(super) fn set_mistake(sets: &[&str]) -> String {
     mistakes[0].to_string()
 }
 
+/// The warnings of `--set` arguments on the city.
+pub(super) fn warning(sets: &[&str]) -> String {
+    let loaded = load_with("city", sets).unwrap_or_else(|mistakes| panic!("{mistakes}"));
+    loaded.warnings.iter().map(|w| w.render("warning")).collect()
+}
+
 #[test]
 fn shipped_scenarios_load_and_survive_being_written_down() {
     let folder = scratch("resolved");
@@ -172,10 +178,61 @@ file = @
     assert!(model.starts_with(start), "{model}");
 }
 
+/// An element of a list has an index, and a list that is too short or too long a length.
+#[test]
+fn values_in_lists_are_found() {
+    let zone = |corner: &str| format!("pose.denied=[{{min_m=[0,0],max_m={corner}}}]");
+    for (set, found, expected) in [
+        ("pose.error=[1, x, 0, 0, 0, 0]", "pose.error[1]` cannot be \"x\"", "a number"),
+        ("pose.error=[1, 2, [3], 0, 0, 0]", "pose.error[2]` cannot be a list", "a number"),
+        ("pose.error=[1, 2]", "pose.error` cannot be a list of 2", "a list of 6 values"),
+        ("pose.error=[1,2,3,4,5,6,7]", "pose.error` cannot be a list of 7", "a list of 6 values"),
+        ("pose.error=x", "pose.error` cannot be \"x\"", "a list of 6 values"),
+        (&zone("[1, true]"), "pose.denied[0].max_m[1]` cannot be true", "a number"),
+        (&zone("[1, 2, 3]"), "pose.denied[0].max_m` cannot be a list of 3", "a list of 2 values"),
+        ("guidance.increments_deg=[0, {a=1}]", "guidance.increments_deg[1]` cannot be a table", ""),
+        ("agents.count=[1]", "agents.count` cannot be a list", "from 1 to 1024"),
+        (
+            "netem.partition=[{groups=[[0,1],[2,y]]}]",
+            "netem.partition[0].groups[1][1]` cannot be \"y\"",
+            "a whole number",
+        ),
+        ("stations=[{x_m=0,y_m=0,z_m=1}, 5]", "stations[1]` cannot be 5", "a table"),
+    ] {
+        let said = set_mistake(&[set]);
+        let start = format!("error: `{found}\n");
+        assert!(said.starts_with(&start) && said.contains(expected), "{set}: {said}");
+    }
+    let said = set_mistake(&["pose.error=[1, x, 0, 0, 0, 0]"]);
+    assert!(said.contains(" | pose.error=[1, x, 0, 0, 0, 0]\n |                ^\n"), "{said}");
+}
+
+#[test]
+fn a_key_of_another_mission_is_told_of_it() {
+    for (scenario, set, help) in [
+        (
+            "tisdale",
+            "pose.error=[1,1,0,0,0,0]",
+            "`pose.error` belongs to the mission `set-membership`",
+        ),
+        (
+            "tisdale",
+            "guidance.str4.beam=9",
+            "`guidance.str4` belongs to the mission `set-membership`",
+        ),
+        ("city", "pose.sigma=[1,1,1,1,1,1]", "`pose.sigma` belongs to the mission `bayes`"),
+    ] {
+        let mistakes = load_with(scenario, &[set]).unwrap_err().mistakes;
+        let [only] = &mistakes[..] else { panic!("{mistakes:?}") };
+        assert!(only.message.starts_with("unknown key"), "{only}");
+        assert_eq!(only.help.as_deref(), Some(help), "{only}");
+    }
+}
+
 #[test]
 fn impossible_values_are_explained() {
     for (set, got, expected) in [
-        ("run.period_s=0", "0", "a number above 0"),
+        ("run.period_s=0", "0", "a finite number above 0"),
         ("run.duration_s=0.1", "0.1", "at least one period, 0.5 s, and at most 1000000 s"),
         ("map.size_m=[5000, 500]", "[5000, 500]", "two lengths from 20 to 4000 m"),
         ("guidance.str4.n_mpc=0", "0", "a whole number from 1 to 32"),
@@ -204,7 +261,7 @@ fn impossible_values_are_explained() {
             "0",
             "a number other than 0: each UAV has an altitude of its own, except for multirotors",
         ),
-        ("agents.altitude_band_m=0", "0", "a number above 0"),
+        ("agents.altitude_band_m=0", "0", "a finite number above 0"),
         (
             "agents.altitude_m=45",
             "45 (the lowest UAV at 45 m)",
@@ -239,8 +296,8 @@ fn impossible_values_are_explained() {
         ),
         ("exchange.max_age_s=2e6", "2000000", "a time above 0 and up to 1000000 s"),
         ("exchange.clock_skew_s=2e6", "2000000", "a time from 0 to 1000000 s"),
-        ("estimator.simplify_margin_m=-1", "-1", "0 or a number above it"),
-        ("estimator.simplify_margin_m=nan", "NaN", "0 or a number above it"),
+        ("estimator.simplify_margin_m=-1", "-1", "a finite number from 0 on"),
+        ("estimator.simplify_margin_m=nan", "NaN", "a finite number from 0 on"),
         ("exchange.max_vertices=3", "3", "a whole number, 4 or more"),
         ("exchange.repair_period_s=0", "0", "at least run.period_s = 0.5 s and at most 1000000 s"),
         ("exchange.repair_delay_s=-1", "-1", "a time from 0 to 1000000 s"),
@@ -588,10 +645,6 @@ fn buildings_may_be_higher_than_flights_that_go_around_them() {
 /// What is surely slower than real time is told with the value that makes it so, before it flies.
 #[test]
 fn what_is_slower_than_real_time_is_a_warning() {
-    let warning = |sets: &[&str]| {
-        let warnings = load_with("city", sets).unwrap().warnings;
-        warnings.iter().map(|w| w.render("warning")).collect::<String>()
-    };
     let images = warning(&["camera.columns=4000", "camera.rows=3000", "agents.count=8"]);
     let start = "warning: images of 4000 x 3000 pixels take 8 agents about 0.240 s each every 0.5 s: \
                  slower than real time\n";

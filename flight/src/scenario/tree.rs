@@ -102,10 +102,17 @@ impl Node {
     }
 
     fn part(&self, part: Part<'_>) -> Option<&Node> {
-        match (part, &self.kind) {
-            (Part::Key(key), _) => self.child(key),
-            (Part::Index(index), Kind::Array(nodes)) => nodes.get(index),
-            (Part::Index(_), _) => None,
+        match part {
+            Part::Key(key) => self.child(key),
+            Part::Index(index) => self.element(index),
+        }
+    }
+
+    /// The element of an array.
+    pub fn element(&self, index: usize) -> Option<&Node> {
+        match &self.kind {
+            Kind::Array(nodes) => nodes.get(index),
+            _ => None,
         }
     }
 

@@ -20,8 +20,16 @@ pub struct Unit<'a> {
     pub value: toml::Value,
     /// Whether the default's entries are dropped first.
     pub(super) replaces: bool,
-    /// Whether it is one element of an array, to be appended when accepted.
-    pub(super) is_element: bool,
+    /// Its index if it is one element of an array, to be appended when accepted.
+    pub(super) element: Option<usize>,
+}
+
+impl Unit<'_> {
+    /// Its path, such as `agents.count` or `netem.outage[1]`.
+    pub fn name(&self) -> String {
+        let index = self.element.map(|index| format!("[{index}]")).unwrap_or_default();
+        self.path.join(".") + &index
+    }
 }
 
 /// The units of a table.
@@ -34,16 +42,11 @@ pub(super) fn collect<'a>(
     for (key, node) in table {
         path.push(key.clone());
         let default = defaults.get(key);
-        let unit = |value, replaces, is_element| Unit {
-            path: path.clone(),
-            node,
-            value,
-            replaces,
-            is_element,
-        };
+        let unit =
+            |value, replaces, element| Unit { path: path.clone(), node, value, replaces, element };
         match &node.kind {
             Kind::Table(inner) if is_tagged(inner, default) => {
-                units.push(unit(toml::Value::Table(tagged(inner, default)), true, false));
+                units.push(unit(toml::Value::Table(tagged(inner, default)), true, None));
             }
             Kind::Table(inner)
                 if !inner.is_empty() && !default.is_some_and(toml::Value::is_array) =>
@@ -56,12 +59,12 @@ pub(super) fn collect<'a>(
                 if !elements.is_empty()
                     && elements.iter().all(|e| matches!(e.kind, Kind::Table(_))) =>
             {
-                for element in elements {
+                for (index, element) in elements.iter().enumerate() {
                     let value = toml::Value::Array(vec![element.to_value()]);
-                    units.push(Unit { node: element, ..unit(value, true, true) });
+                    units.push(Unit { node: element, ..unit(value, true, Some(index)) });
                 }
             }
-            _ => units.push(unit(node.to_value(), false, false)),
+            _ => units.push(unit(node.to_value(), false, None)),
         }
         path.pop();
     }

@@ -155,12 +155,12 @@ impl Check {
 
     fn positive(&mut self, key: &'static str, value: f64) {
         let holds = value > 0.0 && value.is_finite();
-        self.that(holds, &[key], &value.to_string(), "a number above 0");
+        self.that(holds, &[key], &value.to_string(), "a finite number above 0");
     }
 
     fn not_negative(&mut self, key: &'static str, value: f64) {
         let holds = value >= 0.0 && value.is_finite();
-        self.that(holds, &[key], &value.to_string(), "0 or a number above it");
+        self.that(holds, &[key], &value.to_string(), "a finite number from 0 on");
     }
 
     /// A time from 0 on.
