@@ -73,13 +73,13 @@ from_s = 5
 until_s = 5
 "#;
     let places = [
-        (3, "six half-widths from 0 on"),
+        (3, "six finite half-widths from 0 on"),
         (4, "`pose.time_constant_s` cannot be 0"),
         (5, "`pose.fix_period_s` cannot be -2"),
         (6, "`pose.drift` cannot be 1.5"),
         (8, "`pose.denied[0].min_m` cannot be [900, 0]"),
         (12, "`pose.denied[1].max_m` cannot be [0, 10]"),
-        (13, "`pose.denied[1].from_s` cannot be 5"),
+        (14, "`pose.denied[1].until_s` cannot be 5"),
     ];
     check_places(scenario, &places);
 }
@@ -88,7 +88,7 @@ until_s = 5
 fn boxes_that_are_too_large_are_refused_with_the_value_at_which_they_are() {
     let base = scratch();
     for (sets, what) in [
-        (&["pose.error=[0, 0, 0, 8, 5, 0]"][..], "11.84 degrees together"),
+        (&["pose.error=[0, 0, 0, 0, 13, 0]"][..], "a frame proves no clear ground"),
         (&["pose.error=[1e300, 1, 0, 0, 0, 0]"], "up to 500 m, the longer side of the region"),
         (&["pose.error=[0, 0, 0, 0, 0, 60]"], "up to 57 degrees"),
         (&["pose.error=[0, 0, 52, 0, 0, 0]"], "below the lowest altitude, 52 m"),

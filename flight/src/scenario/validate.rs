@@ -114,9 +114,7 @@ pub fn of_set_membership(scenario: &Scenario) -> Vec<Issue> {
     estimator(&mut check, &scenario.estimator, scenario.map.size_m);
     guidance(&mut check, &scenario.guidance, period_s);
     let is_clean = before.0.is_empty() && check.0.is_empty();
-    if before.0.iter().all(|issue| issue.is_warning) {
-        pose::judge(&mut check, scenario, &scenario.own::<Tables>().pose);
-    }
+    pose::judge(&mut check, scenario, &scenario.own::<Tables>().pose, period_s);
     if is_clean && scenario.agents.avoid_buildings {
         room_to_turn(&mut check, scenario);
     }
