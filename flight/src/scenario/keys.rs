@@ -313,6 +313,9 @@ mod tests {
         assert!(loss[0].required && loss[0].default.is_none());
         assert_eq!(only("netem.outage[].from_s").unit, Some("s"));
         assert_eq!(keys("no.such"), []);
+        let liar = keys("faults.liar");
+        assert!(liar.iter().all(|key| key.mission == Some("set-membership")), "{liar:?}");
+        assert!(liar.iter().any(|key| key.describe().contains("of mission \"set-membership\"")));
         assert_eq!(keys("").len(), paths().count());
     }
 }

@@ -267,6 +267,8 @@ fn stem(name: &str) -> String {
 }
 
 #[cfg(test)]
+mod liars_tests;
+#[cfg(test)]
 mod pose_tests;
 #[cfg(test)]
 mod reference_tests;

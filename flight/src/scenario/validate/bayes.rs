@@ -125,6 +125,8 @@ fn camera(check: &mut Check, scenario: &Scenario) {
         rows: camera.rows,
         aperture_deg: camera.aperture_deg,
         tilt_deg: camera.tilt_deg,
+        // Judged for every mission without labels.
+        misidentify: camera.misidentify,
         ..CameraModel::default()
     };
     check.that(

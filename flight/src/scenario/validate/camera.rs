@@ -55,10 +55,17 @@ pub(super) fn judge_nameless(check: &mut Check, scenario: &Scenario) {
     }
 }
 
-/// Judges a camera whose pixels are labelled: the steps of its depths, and its pixels on a car if the rest is in
-/// order.
+/// Judges a camera whose pixels are labelled: cars to be taken for each other, the steps of its depths, and its pixels
+/// on a car if the rest is in order.
 pub(super) fn judge_labels(check: &mut Check, scenario: &Scenario, is_in_order: bool) {
     let camera = &scenario.camera;
+    let (p, cars) = (camera.misidentify, scenario.targets.count);
+    check.that(
+        !(p > 0.0 && p <= 1.0) || cars >= 2,
+        &["camera.misidentify", "targets.count"],
+        &format!("{p} with targets.count = {cars}"),
+        "2 cars or more to be taken for each other",
+    );
     let depth_step_m = camera.depth_step_m();
     let is_coarse = depth_step_m > COARSE_DEPTH_M && depth_step_m.is_finite();
     if is_coarse {

@@ -81,6 +81,8 @@ fn camera(check: &mut Check, scenario: &Scenario) {
         rows: camera.rows,
         aperture_deg: camera.aperture_deg,
         tilt_deg: 90.0,
+        // Judged for every mission without labels.
+        misidentify: camera.misidentify,
         ..CameraModel::default()
     };
     check.that(

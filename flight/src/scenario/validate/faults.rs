@@ -1,8 +1,13 @@
 //! `[faults]`, and what agents are told of it: agents that lie or are mistaken.
 
+use csat_agent::config::ExchangeMode;
+use csat_mission::documents::micro;
+use csat_mission::words::counted;
 use csat_world::lie::{Liar, LieKind};
 
-use super::{Check, MAX_TIME_S, Scenario};
+use super::{Check, Issue, MAX_TIME_S, Scenario, with_ancestors};
+use crate::scenario::mistake::Mistake;
+use crate::scenario::model::RunConfig;
 
 /// Judges the liars, and how many of them the agents allow for.
 pub(super) fn judge(check: &mut Check, scenario: &Scenario) {
@@ -20,6 +25,29 @@ pub(super) fn judge(check: &mut Check, scenario: &Scenario) {
         let expected = "each UAV once: it is a liar already";
         check.at(!is_twice, &path(index, "agent"), &liar.agent, expected);
     }
+    heard(check, scenario);
+}
+
+/// Warns of lies that nobody hears, and of more liars than the agents allow for.
+fn heard(check: &mut Check, scenario: &Scenario) {
+    let end_s = end_s(scenario);
+    let liars = scenario.faults.liar.iter().filter(|liar| liar.from_s <= end_s).count();
+    let q = scenario.exchange.liars;
+    if scenario.exchange.mode == ExchangeMode::None {
+        if liars > 0 || q > 0 {
+            let text = "no agent hears a lie: `exchange.mode` is `none`";
+            let expected = "another mode, or neither `[[faults.liar]]` nor exchange.liars";
+            let key = if liars > 0 { "faults.liar" } else { "exchange.liars" };
+            check.warn(&[key, "exchange.mode"], Mistake::new(text).expected(expected));
+        }
+    } else if liars > usize::from(q) {
+        let text = format!(
+            "{} in `faults.liar`, more than exchange.liars = {q}: the guarantee does not hold",
+            counted(liars, "liar")
+        );
+        let expected = format!("at most {q}, or a larger exchange.liars");
+        check.warn(&["faults.liar", "exchange.liars"], Mistake::new(text).expected(expected));
+    }
 }
 
 fn of_liar(check: &mut Check, index: usize, liar: &Liar, scenario: &Scenario) {
@@ -32,10 +60,26 @@ fn of_liar(check: &mut Check, index: usize, liar: &Liar, scenario: &Scenario) {
     let is_time = (0.0..=MAX_TIME_S).contains(&liar.from_s);
     let expected = format!("a time from 0 to {MAX_TIME_S} s");
     check.at(is_time, &path(index, "from_s"), &liar.from_s, &expected);
+    let end_s = end_s(scenario);
+    if is_time && liar.from_s > end_s {
+        let path = path(index, "from_s");
+        let text = format!("`{path}` = {} s is after the mission's end, {end_s} s", liar.from_s);
+        let mistake = Mistake::new(text).help(format!("UAV {} does not lie", liar.agent));
+        check.0.push(Issue { keys: with_ancestors(&path), mistake, is_warning: true });
+    }
     let targets = scenario.targets.count;
     let is_alone = liar.kind == LieKind::Misidentify && targets < 2;
     let expected = "another kind, or 2 cars or more to be taken for each other (targets.count)";
     check.at(!is_alone, &path(index, "kind"), &"`misidentify`", expected);
+}
+
+/// The time of the last frame, seconds; of a mission whose length is refused, ∞.
+fn end_s(scenario: &Scenario) -> f64 {
+    let RunConfig { duration_s, period_s } = scenario.run;
+    match period_s > 0.0 && duration_s >= period_s {
+        true => micro(period_s * f64::from(scenario.steps())),
+        false => f64::INFINITY,
+    }
 }
 
 /// The path of a key of the liar at `index`.
