@@ -1,6 +1,6 @@
 //! Boolean operations on rings, by `i_overlay`'s integer engine.
 
-use csat_proto::region::{GridBox, Region, Ring};
+use csat_proto::region::{GridBox, GridPoint, Region, Ring};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{Overlay, ShapeType};
 pub(crate) use i_overlay::core::overlay_rule::OverlayRule as RULE;
@@ -31,37 +31,44 @@ const LIST_UP_TO: usize = 10_000;
 /// subtract. The shapes of the result are disjoint and oriented; their rings may touch themselves and
 /// each other in points. Its boundary is within about one grid unit of the exact one, and narrower
 /// parts or gaps may be lost or filled.
-pub(crate) fn overlay<'a>(
-    subject: impl IntoIterator<Item = &'a Ring>,
-    clip: impl IntoIterator<Item = &'a Ring>,
+pub(crate) fn overlay<S, C>(
+    subject: impl IntoIterator<Item = S>,
+    clip: impl IntoIterator<Item = C>,
     rule: RULE,
-) -> Region {
+) -> Region
+where
+    S: AsRef<[GridPoint]>,
+    C: AsRef<[GridPoint]>,
+{
     let mut overlay = Overlay::<i32>::new_custom(1024, Default::default(), Solver::AUTO);
     let mut edges = 0;
-    let subject = subject.into_iter().map(|ring| (ring, ShapeType::Subject));
-    let clip = clip.into_iter().map(|ring| (ring, ShapeType::Clip));
-    for (ring, side) in subject.chain(clip) {
+    let mut add = |ring: &[GridPoint], side| {
         overlay.add_contour(ring, side);
         edges += ring.len();
-    }
+    };
+    subject.into_iter().for_each(|ring| add(ring.as_ref(), ShapeType::Subject));
+    clip.into_iter().for_each(|ring| add(ring.as_ref(), ShapeType::Clip));
     note_edges(edges);
     let strategy = if edges <= LIST_UP_TO { Strategy::List } else { Strategy::Auto };
     overlay.solver = Solver::with_strategy_and_precision(strategy, PRECISION);
     Region::from_shapes(overlay.overlay(rule, FillRule::Positive))
 }
 
-/// Groups of parts of which no three overlap, to be applied one group after the other.
+/// What rings fill.
+pub(crate) fn filled(rings: &[Ring]) -> Region {
+    overlay(rings, [] as [&Ring; 0], RULE::Subject)
+}
+
+/// Groups of parts, each with its box, of which no three overlap, to be applied one group after the
+/// other.
 ///
 /// Where many edges nearly coincide, as those of copies of one set do, the work of the engine
 /// explodes: subtracting ten copies with vertices moved by a unit from a star takes 0.1 s in one
 /// operation, and 0.1 ms one by one.
-pub(super) fn shallow_groups<'a>(
-    parts: impl IntoIterator<Item = &'a Region>,
-) -> Vec<Vec<&'a Region>> {
-    let mut groups: Vec<Vec<(GridBox, &Region)>> = Vec::new();
-    for part in parts {
-        let Some(bounds) = part.bounds() else { continue };
-        let has_room = |group: &&mut Vec<(GridBox, &Region)>| {
+pub(super) fn shallow_groups<T>(parts: impl IntoIterator<Item = (GridBox, T)>) -> Vec<Vec<T>> {
+    let mut groups: Vec<Vec<(GridBox, T)>> = Vec::new();
+    for (bounds, part) in parts {
+        let has_room = |group: &&mut Vec<(GridBox, T)>| {
             group.iter().filter(|(other, _)| other.meets(&bounds)).count() < 2
         };
         match groups.iter_mut().find(has_room) {
@@ -70,4 +77,20 @@ pub(super) fn shallow_groups<'a>(
         }
     }
     groups.into_iter().map(|group| group.into_iter().map(|(_, part)| part).collect()).collect()
+}
+
+/// Items whose boxes meet, directly or through others, together.
+pub(super) fn clusters<T>(items: impl IntoIterator<Item = (GridBox, T)>) -> Vec<Vec<T>> {
+    let mut clusters: Vec<(GridBox, Vec<T>)> = Vec::new();
+    for (extent, item) in items {
+        let mut merged = (extent, vec![item]);
+        // A grown box may meet clusters that were passed already.
+        while let Some(index) = clusters.iter().position(|(extent, _)| extent.meets(&merged.0)) {
+            let (extent, items) = clusters.swap_remove(index);
+            merged.0 = merged.0.around_both(&extent);
+            merged.1.extend(items);
+        }
+        clusters.push(merged);
+    }
+    clusters.into_iter().map(|(_, items)| items).collect()
 }

@@ -2,10 +2,10 @@
 
 use csat_proto::region::{GridBox, Region, Ring, Shape};
 
-use super::boolean::shallow_groups;
+use super::boolean::{clusters, shallow_groups};
 use super::simplify::{Approximation, simplify_region, simplify_shapes};
 use super::sweep::eroded_path;
-use super::{Disc, RULE, overlay};
+use super::{Disc, RULE, filled, overlay};
 
 /// An inner approximation: a set that is contained in the set it approximates, up to rounding, which
 /// the margins of its parts outweigh.
@@ -43,29 +43,35 @@ impl Inner {
     pub fn union<'a>(parts: impl IntoIterator<Item = &'a Inner>) -> Inner {
         let mut parts = parts.into_iter().filter(|part| !part.is_empty());
         let Some(first) = parts.next() else { return Inner::default() };
-        shallow_groups(parts.map(Inner::region)).into_iter().fold(first.clone(), |sum, group| {
+        let parts = parts.filter_map(|part| Some((part.0.bounds()?, &part.0)));
+        shallow_groups(parts).into_iter().fold(first.clone(), |sum, group| {
             let clip = group.into_iter().flat_map(Region::rings);
             Inner(overlay(sum.0.rings(), clip, RULE::Union))
         })
     }
 
     /// self ∪ `parts`, simplified by at most `tolerance_m` where parts were added. Shapes whose boxes
-    /// meet no part stay as they are.
+    /// meet no part stay as they are; clusters of those that meet are united one by one.
     pub fn absorbing(self, parts: &[&Inner], tolerance_m: f64) -> Inner {
-        let added: Vec<GridBox> = parts
-            .iter()
-            .flat_map(|part| part.0.shapes())
-            .filter_map(|shape| GridBox::around(&shape[0]))
-            .collect();
-        let near = |shape: &Shape| {
-            GridBox::around(&shape[0]).is_some_and(|b| added.iter().any(|part| part.meets(&b)))
-        };
-        let (touched, mut shapes): (Vec<Shape>, Vec<Shape>) =
-            self.0.into_shapes().into_iter().partition(near);
-        let touched = Inner(Region::from_shapes(touched));
-        let union = Inner::union(std::iter::once(&touched).chain(parts.iter().copied()));
-        shapes.extend(union.simplified(tolerance_m).into_region().into_shapes());
-        Inner(Region::from_shapes(shapes))
+        let sources = std::iter::once(&self).chain(parts.iter().copied()).enumerate();
+        let shapes = sources.flat_map(|(source, set)| {
+            set.0.shapes().iter().filter_map(move |s| Some((GridBox::around(&s[0])?, (source, s))))
+        });
+        let mut sum: Vec<Shape> = Vec::new();
+        for mut cluster in clusters(shapes) {
+            if cluster.iter().all(|(source, _)| *source == 0) {
+                sum.extend(cluster.into_iter().map(|(_, shape)| shape.clone()));
+                continue;
+            }
+            cluster.sort_by_key(|(source, _)| *source);
+            let same_source = cluster.chunk_by(|(a, _), (b, _)| a == b);
+            let sets: Vec<Inner> = same_source
+                .map(|shapes| shapes.iter().map(|(_, shape)| (*shape).clone()).collect())
+                .map(|shapes| Inner(Region::from_shapes(shapes)))
+                .collect();
+            sum.extend(Inner::union(&sets).simplified(tolerance_m).into_region().into_shapes());
+        }
+        Inner(Region::from_shapes(sum))
     }
 
     /// self minus the union of counter-clockwise rings.
@@ -79,7 +85,7 @@ impl Inner {
             return Inner::default();
         }
         let paths: Vec<Ring> = self.0.rings().map(|ring| eroded_path(ring, disc)).collect();
-        Inner(overlay(&paths, [], RULE::Subject))
+        Inner(filled(&paths))
     }
 
     /// A subset with fewer vertices: each move shifts the border by at most

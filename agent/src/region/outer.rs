@@ -2,7 +2,7 @@
 
 use csat_proto::region::{GridBox, MAX_COORDINATE_M, Region, Ring, Shape, to_units};
 
-use super::boolean::shallow_groups;
+use super::cells::{self, paths};
 use super::simplify::{Approximation, simplify_region, simplify_shapes};
 use super::sweep::dilated_path;
 use super::{Disc, Inner, RULE, overlay};
@@ -59,13 +59,19 @@ impl Outer {
         if !meets {
             return Outer::default();
         }
-        Outer(overlay(self.0.rings(), other.0.rings(), RULE::Intersect))
+        Outer(cells::intersection(&self.0, &other.0))
     }
 
-    /// self minus the union of `parts`.
+    /// self minus the union of `parts`; self, bit for bit, if no part is near.
     pub fn minus<'a>(&self, parts: impl IntoIterator<Item = &'a Inner>) -> Outer {
-        let groups = shallow_groups(parts.into_iter().map(Inner::region));
-        Outer(groups.iter().fold(self.0.clone(), |left, group| difference(left, group)))
+        let Some(bounds) = self.0.bounds() else { return Outer::default() };
+        let near = |part: &'a Inner| shapes_meeting(std::iter::once(part.region()), &bounds);
+        let parts: Vec<_> = parts.into_iter().map(near).filter(|part| !part.is_empty()).collect();
+        if parts.is_empty() {
+            return self.clone();
+        }
+        let parts = parts.into_iter().map(|part| paths(part.into_iter().flatten())).collect();
+        Outer(cells::difference(paths(self.0.rings()), parts))
     }
 
     /// (self ⊕ disc) ∩ bounds.
@@ -99,22 +105,6 @@ pub(super) fn shapes_meeting<'a>(
 
 fn meets(shape: &Shape, bounds: &GridBox) -> bool {
     GridBox::around(&shape[0]).is_some_and(|shape_box| shape_box.meets(bounds))
-}
-
-/// `region` minus `parts`, in one operation.
-fn difference(region: Region, parts: &[&Region]) -> Region {
-    let Some(bounds) = region.bounds() else { return region };
-    let clip = shapes_meeting(parts.iter().copied(), &bounds);
-    let Some(clip_bounds) = GridBox::around(clip.iter().flat_map(|s| &s[0])) else {
-        return region;
-    };
-    // Shapes that no part touches do not pass through the overlay.
-    let (subject, kept): (Vec<Shape>, Vec<Shape>) =
-        region.into_shapes().into_iter().partition(|shape| meets(shape, &clip_bounds));
-    let cut = overlay(subject.iter().flatten(), clip.into_iter().flatten(), RULE::Difference);
-    let mut shapes = cut.into_shapes();
-    shapes.extend(kept);
-    Region::from_shapes(shapes)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use csat_proto::region::{GridBox, Region, Ring, Shape, UNITS_PER_M};
 
 use super::sweep::{dilated_path, eroded_path};
-use super::{Disc, Inner, Outer, RULE, overlay};
+use super::{Disc, Inner, Outer, RULE, filled, overlay};
 
 /// The largest disc that sets are swept with at once, metres.
 const FIRST_STAGE_M: f64 = 1.0;
@@ -94,7 +94,7 @@ impl Outer {
         let (last, stages) = reach.stages.split_last()?;
         let grown = stages.iter().fold(self.clone(), |set, stage| {
             let paths = stage.paths(&set.simplified(stage.tolerance_m));
-            Outer::containing(overlay(&paths, [], RULE::Subject))
+            Outer::containing(filled(&paths))
         });
         Some((grown, last))
     }
@@ -112,7 +112,7 @@ impl Inner {
             let shapes = left.region().shapes().iter();
             let rings = shapes.filter(|shape| !stage.exceeds(&shape[0])).flatten();
             let paths: Vec<Ring> = rings.map(|ring| eroded_path(ring, &stage.disc)).collect();
-            left = Inner::within(overlay(&paths, [], RULE::Subject));
+            left = Inner::within(filled(&paths));
         }
         left
     }

@@ -15,8 +15,8 @@ use std::collections::BinaryHeap;
 
 use csat_proto::region::{GridPoint, Region, Ring, Shape, UNITS_PER_M, twice_signed_area};
 
+use super::filled;
 use super::vector::{Vector, turn};
-use super::{RULE, overlay};
 
 /// The kind of approximation, which says how a set may change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,7 +55,7 @@ pub(super) fn simplify_region(
     if rings.iter().map(Vec::len).sum::<usize>() == before {
         return region;
     }
-    overlay(&rings, [], RULE::Subject)
+    filled(&rings)
 }
 
 /// Simplifies every shape of a region by its own tolerance.
@@ -68,7 +68,7 @@ pub(super) fn simplify_shapes(
     let rings: Vec<Ring> = shapes
         .flat_map(|shape| simplified_rings(shape, approximation, tolerance_m(shape)))
         .collect();
-    overlay(&rings, [], RULE::Subject)
+    filled(&rings)
 }
 
 /// The rings of a simplified region, not resolved: to be filled where their winding number is

@@ -3,6 +3,7 @@
 //! Every test runs seeded cases; a failing case prints the command that replays it alone.
 
 mod boolean;
+mod cells;
 mod dilate;
 mod disc;
 mod erode;
