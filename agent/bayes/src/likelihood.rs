@@ -28,6 +28,8 @@ use crate::config::AgentConfig;
 use crate::factor::Factor;
 use crate::mutant::{Mutant, is_on};
 
+pub mod many;
+
 /// What likelihoods depend on besides the factor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
@@ -172,6 +174,7 @@ impl Likelihood {
     }
 
     /// p(D, V | x): the probability that a target at x is detected in such a frame, false alarms apart (5).
+    #[inline]
     pub fn p_detection(&self, x: [f64; 2]) -> f64 {
         self.optics.see(x).map_or(0.0, |image| self.p_at(&image))
     }
@@ -244,7 +247,7 @@ impl Optics {
 
     /// The image of a ground point, `world`, metres, whether or not it is inside the image; `None` if the point
     /// is not in front of the camera.
-    #[inline]
+    #[inline(always)]
     pub fn see(&self, [x, y]: [f64; 2]) -> Option<ImagePoint> {
         let [origin, east, north] = &self.axes;
         let p = Vector3::new(
@@ -331,7 +334,7 @@ impl Optics {
 
 impl ImagePoint {
     /// The probability that the point is inside the image.
-    #[inline]
+    #[inline(always)]
     fn p_inside(&self, optics: &Optics) -> f64 {
         let [cc, _, rr] = self.covariance;
         let along = |mean: f64, variance: f64, size: f64| {
@@ -412,12 +415,11 @@ impl DetectionTable {
         let last = depths.iter().copied().fold(0.0, f64::max).max(first + 1e-9);
         let step = (last - first) / (TABLE - 1) as f64;
         let sigma = optics.resolution_sigma();
+        let nodes = HERMITE.map(|(node, weight)| ((sigma * node).exp(), weight));
         let mean = |index: usize| {
             let inverse_depth = first + index as f64 * step;
             let r = optics.focal_px.powi(2) * optics.height_m * inverse_depth.powi(3);
-            let of =
-                |(node, weight): (f64, f64)| weight * detector.p_detected(r * (sigma * node).exp());
-            HERMITE.into_iter().map(of).sum()
+            nodes.iter().map(|(ratio, weight)| weight * detector.p_detected(r * ratio)).sum()
         };
         Self { first, per_inverse_m: 1.0 / step, values: std::array::from_fn(mean) }
     }

@@ -25,7 +25,8 @@ impl Square {
     /// Parts that are not larger than `side_m`.
     fn parts(&self, side_m: f64) -> impl Iterator<Item = Self> + use<> {
         let square = *self;
-        let count = (square.side_m / side_m - 1e-9).ceil().max(1.0) as u32;
+        let is_whole = square.side_m <= side_m;
+        let count = if is_whole { 1 } else { (square.side_m / side_m - 1e-9).ceil() as u32 };
         let part = square.side_m / f64::from(count);
         let at =
             move |middle: f64, i: u32| middle - square.side_m / 2.0 + (f64::from(i) + 0.5) * part;
