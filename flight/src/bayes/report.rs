@@ -125,7 +125,7 @@ impl Maps {
         let newest = agent.factors().since(Step(0)).rev().filter_map(place);
         Self {
             belief: belief.map(),
-            particles: belief.particles().to_vec(),
+            particles: belief.particles(),
             sightings: newest.take(MAX_SIGHTINGS).collect(),
         }
     }

@@ -161,18 +161,16 @@ impl Belief {
     pub fn numbers(&self, add: &mut dyn FnMut(f64)) {
         match &self.representation {
             R::Grid(grid) => grid.sums().for_each(add),
-            R::Particles(particles, _) => {
-                particles.points().iter().flatten().copied().for_each(add)
-            }
+            R::Particles(particles, _) => particles.points().flatten().for_each(add),
             R::Adaptive(cells) => cells.values().for_each(add),
         }
     }
 
     /// The particles, if it has any, `world`, metres.
-    pub fn particles(&self) -> &[[f64; 2]] {
+    pub fn particles(&self) -> Vec<[f64; 2]> {
         match &self.representation {
-            R::Particles(particles, _) => particles.points(),
-            R::Grid(_) | R::Adaptive(_) => &[],
+            R::Particles(particles, _) => particles.points().collect(),
+            R::Grid(_) | R::Adaptive(_) => Vec::new(),
         }
     }
 }

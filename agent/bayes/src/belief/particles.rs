@@ -1,18 +1,27 @@
 //! A sampling importance resampling (SIR) particle filter (Gordon et al. 1993), as in Tisdale et al. 2008, §IV.B:
 //! resampled after every step, with a random walk (9) because resampling needs process noise.
+//!
+//! Particles are in single precision, and those that are near each other are near in memory: they begin in order, strip
+//! by strip, and resampling keeps it. So a block of them is weighed by vector instructions or, out of sight, not at all.
 
 use std::sync::Arc;
 
 use csat_proto::model::Ground;
 use csat_proto::time::Step;
-use rand::{RngExt, SeedableRng};
+use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::StandardNormal;
 
 use super::region::{CellSet, Piece, densest};
 use super::square::Square;
 use crate::likelihood::Likelihood;
+use crate::likelihood::many::{BLOCK, Weigher};
 use crate::search_map::Gaussian;
+use normal::NORMAL;
+
+mod normal;
+mod resampling;
+#[cfg(test)]
+mod tests;
 
 /// A square with more particles is divided to estimate their density.
 const MOST_IN_SQUARE: usize = 24;
@@ -23,8 +32,9 @@ const DEEPEST: u8 = 11;
 #[derive(Debug, Clone)]
 pub struct Particles {
     ground: Ground,
-    /// `world`, metres.
-    points: Vec<[f64; 2]>,
+    /// Coordinates, `world`, metres.
+    x: Vec<f32>,
+    y: Vec<f32>,
     /// What the random numbers belong to: seed, agent and incarnation in one.
     key: [u8; 32],
     /// How often likelihoods were applied in the present step.
@@ -40,13 +50,27 @@ enum Purpose {
 }
 
 impl Particles {
-    /// Particles spread evenly at random. `key` tells one agent's random numbers from another's.
+    /// Particles spread evenly at random: each in a part of its own of a strip of the region. `key` tells one agent's
+    /// random numbers from another's.
     pub fn new(ground: Ground, count: u32, key: [u8; 32]) -> Self {
         let mut rng = ChaCha8Rng::from_seed(key);
         rng.set_stream(u64::MAX);
-        let mut along = |axis: usize| (rng.random::<f64>() - 0.5) * ground.size_m[axis];
-        let points = (0..count).map(|_| [along(0), along(1)]).collect();
-        Self { ground, points, key, updates: 0, step: Step(0) }
+        // A block of particles should be as wide as it is deep.
+        let strips = (count / BLOCK as u32).isqrt().max(1);
+        let first = |strip: u32| (u64::from(strip) * u64::from(count) / u64::from(strips)) as u32;
+        let mut along = |axis: usize, part: u32, parts: u32| {
+            let share = (f64::from(part) + rng.random::<f64>()) / f64::from(parts);
+            ((share - 0.5) * ground.size_m[axis]) as f32
+        };
+        let (mut x, mut y) = (Vec::new(), Vec::new());
+        for strip in 0..strips {
+            let members = first(strip + 1) - first(strip);
+            for member in 0..members {
+                x.push(along(0, member, members));
+                y.push(along(1, strip, strips));
+            }
+        }
+        Self { ground, x, y, key, updates: 0, step: Step(0) }
     }
 
     /// A step begins: every particle takes a normal step of this standard deviation per axis, (1b) and (9). At the
@@ -54,46 +78,50 @@ impl Particles {
     pub fn walk(&mut self, step: Step, sigma_m: f64) {
         (self.step, self.updates) = (step, 0);
         let mut rng = self.stream(Purpose::Walk);
-        let half = self.ground.size_m.map(|size| size / 2.0);
-        for point in &mut self.points {
-            for axis in 0..2 {
-                let normal: f64 = rng.sample(StandardNormal);
-                let moved = point[axis] + sigma_m * normal;
-                point[axis] = reflected(moved, half[axis]);
+        let [width, depth] = self.ground.size_m.map(|size| size as f32 / 2.0);
+        let (sigma_m, normal) = (sigma_m as f32, &*NORMAL);
+        let mut bits = [0; 4 * BLOCK];
+        for (x, y) in self.x.chunks_mut(BLOCK).zip(self.y.chunks_mut(BLOCK)) {
+            rng.fill_bytes(&mut bits);
+            for ((x, y), bits) in x.iter_mut().zip(y).zip(bits.as_chunks().0) {
+                let bits = u32::from_le_bytes(*bits) as usize;
+                *x = reflected(*x + sigma_m * normal[bits % normal.len()], width);
+                *y = reflected(*y + sigma_m * normal[(bits >> 16) % normal.len()], depth);
             }
         }
     }
 
     /// Weighs the particles by likelihoods and resamples them, (1a).
     pub fn update(&mut self, likelihoods: &[Arc<Likelihood>]) {
-        let mut weights = vec![1.0; self.points.len()];
-        for likelihood in likelihoods {
-            let Some(bounds) = likelihood.bounds() else { continue };
-            for (weight, point) in weights.iter_mut().zip(&self.points) {
-                if bounds.contains(*point) {
-                    *weight *= likelihood.ratio_within(*point);
-                }
+        let mut weights = vec![1.0f32; self.x.len()];
+        let mut are_equal = true;
+        for weigher in likelihoods.iter().filter_map(|likelihood| Weigher::new(likelihood)) {
+            let coordinates = self.x.chunks(BLOCK).zip(self.y.chunks(BLOCK));
+            for ((x, y), weights) in coordinates.zip(weights.chunks_mut(BLOCK)) {
+                weigher.weigh(x, y, weights);
             }
             // Many factors at once must not leave the range of numbers.
-            let most = weights.iter().copied().fold(0.0, f64::max);
-            weights.iter_mut().for_each(|weight| *weight /= most);
+            let [least, most] = extremes(&weights);
+            weights.iter_mut().for_each(|weight| *weight *= 1.0 / most);
+            are_equal &= least == most;
         }
-        if weights.iter().all(|weight| *weight == weights[0]) {
+        if are_equal {
             return;
         }
         self.updates += 1;
-        let shift: f64 = self.stream(Purpose::Resampling).random();
-        self.points = resampled(&self.points, &weights, shift);
+        let shift: u32 = self.stream(Purpose::Resampling).random();
+        resampling::systematic(&weights, shift, [&mut self.x, &mut self.y]);
     }
 
     /// Mean and covariance.
     pub fn gaussian(&self) -> Gaussian {
-        let count = self.points.len() as f64;
-        let mean = [0, 1].map(|axis| self.points.iter().map(|p| p[axis]).sum::<f64>() / count);
-        let of = |i: usize, j: usize| {
-            self.points.iter().map(|p| (p[i] - mean[i]) * (p[j] - mean[j])).sum::<f64>() / count
-        };
-        Gaussian { mean, covariance: [of(0, 0), of(0, 1), of(1, 1)] }
+        let [mx, my] = [self.mean(|x, _| x), self.mean(|_, y| y)];
+        let covariance = [
+            self.mean(|x, _| (x - mx) * (x - mx)),
+            self.mean(|x, y| (x - mx) * (y - my)),
+            self.mean(|_, y| (y - my) * (y - my)),
+        ];
+        Gaussian { mean: [mx, my], covariance }
     }
 
     /// The densest squares that hold `share` of the particles. A square is divided as long as it holds more than a few,
@@ -113,17 +141,17 @@ impl Particles {
         };
         let rects = densest(pieces.collect(), share).into_iter().map(rect).collect();
         let cell_m = self.side_m() / f64::from(1u32 << DEEPEST);
-        CellSet { cell_m, origin_m: self.origin_m(), rects }
+        CellSet { cell_m, origin_m: [-self.side_m() / 2.0; 2], rects }
     }
 
     /// The particles as squares without extent.
     pub fn squares(&self) -> Vec<Square> {
-        self.points.iter().map(|p| Square { centre: *p, side_m: 0.0, mass: 1.0 }).collect()
+        self.points().map(|p| Square { centre: p, side_m: 0.0, mass: 1.0 }).collect()
     }
 
     /// The particles, `world`, metres.
-    pub fn points(&self) -> &[[f64; 2]] {
-        &self.points
+    pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.x.iter().zip(&self.y).map(|(x, y)| [f64::from(*x), f64::from(*y)])
     }
 
     /// A stream of its own for each step, purpose and update.
@@ -134,42 +162,61 @@ impl Particles {
         rng
     }
 
+    /// The mean of a function of the coordinates, by sums that do not wait for each other.
+    fn mean(&self, value: impl Fn(f64, f64) -> f64) -> f64 {
+        let mut sums = [0.0; 8];
+        let ((x, last_x), (y, last_y)) = (self.x.as_chunks::<8>(), self.y.as_chunks::<8>());
+        for (x, y) in x.iter().zip(y) {
+            for i in 0..8 {
+                sums[i] += value(f64::from(x[i]), f64::from(y[i]));
+            }
+        }
+        let last = last_x.iter().zip(last_y).map(|(x, y)| value(f64::from(*x), f64::from(*y)));
+        (sums.iter().sum::<f64>() + last.sum::<f64>()) / self.x.len() as f64
+    }
+
     fn side_m(&self) -> f64 {
         self.ground.size_m[0].max(self.ground.size_m[1])
     }
 
-    fn origin_m(&self) -> [f64; 2] {
-        [-self.side_m() / 2.0; 2]
-    }
-
     /// Squares that cover the region, with the number of particles in each.
     fn parts(&self) -> Vec<Part> {
-        let all: Vec<u32> = (0..self.points.len() as u32).collect();
+        let mut codes = self.codes();
+        codes.sort_unstable();
         let mut parts = Vec::new();
-        let mut stack = vec![(Part { level: 0, column: 0, row: 0, count: all.len() }, all)];
-        while let Some((part, members)) = stack.pop() {
+        let mut stack =
+            vec![(Part { level: 0, column: 0, row: 0, count: codes.len() }, &codes[..])];
+        while let Some((part, mut members)) = stack.pop() {
             if part.count <= MOST_IN_SQUARE || part.level == DEEPEST {
                 parts.push(part);
                 continue;
             }
-            let half = self.side_m() / f64::from(2u32 << part.level);
-            let [x, y] = self.origin_m();
-            let middle =
-                [x + f64::from(2 * part.column + 1) * half, y + f64::from(2 * part.row + 1) * half];
-            let mut quarters: [Vec<u32>; 4] = Default::default();
-            for member in members {
-                let p = self.points[member as usize];
-                let (east, north) =
-                    (usize::from(p[0] >= middle[0]), usize::from(p[1] >= middle[1]));
-                quarters[east + 2 * north].push(member);
-            }
-            for (index, quarter) in (0..).zip(quarters) {
+            let level = part.level + 1;
+            for index in 0..4 {
+                let shift = 2 * (DEEPEST - level);
+                let count = members.partition_point(|code| code >> shift & 3 == index);
+                let (quarter, others) = members.split_at(count);
                 let (column, row) = (2 * part.column + index % 2, 2 * part.row + index / 2);
-                let count = quarter.len();
-                stack.push((Part { level: part.level + 1, column, row, count }, quarter));
+                stack.push((Part { level, column, row, count }, quarter));
+                members = others;
             }
         }
         parts
+    }
+
+    /// The smallest square that each particle is in: the bits of its column and its row in turn, the greatest first.
+    fn codes(&self) -> Vec<u32> {
+        let half_m = self.side_m() as f32 / 2.0;
+        let per_m = (1u32 << DEEPEST) as f32 / self.side_m() as f32;
+        let last = (1 << DEEPEST) - 1;
+        let spread = |x: &f32| {
+            let bits = (((x + half_m) * per_m) as u32).min(last);
+            let bits = (bits | bits << 8) & 0x00FF_00FF;
+            let bits = (bits | bits << 4) & 0x0F0F_0F0F;
+            let bits = (bits | bits << 2) & 0x3333_3333;
+            (bits | bits << 1) & 0x5555_5555
+        };
+        self.x.iter().zip(&self.y).map(|(x, y)| spread(x) | spread(y) << 1).collect()
     }
 }
 
@@ -182,24 +229,20 @@ struct Part {
     count: usize,
 }
 
-/// As many points as before, in proportion to their weights (systematic resampling).
-fn resampled(points: &[[f64; 2]], weights: &[f64], shift: f64) -> Vec<[f64; 2]> {
-    let step = weights.iter().sum::<f64>() / points.len() as f64;
-    let mut chosen = Vec::with_capacity(points.len());
-    let (mut sum, mut index) = (weights[0], 0);
-    for i in 0..points.len() {
-        let wanted = (i as f64 + shift) * step;
-        while sum < wanted && index + 1 < points.len() {
-            index += 1;
-            sum += weights[index];
+/// The least and the greatest of numbers that are not negative.
+fn extremes(numbers: &[f32]) -> [f32; 2] {
+    let (mut least, mut most) = ([f32::INFINITY; BLOCK], [0.0; BLOCK]);
+    for block in numbers.chunks(BLOCK) {
+        for ((least, most), x) in least.iter_mut().zip(&mut most).zip(block) {
+            *least = if *x < *least { *x } else { *least };
+            *most = if *x > *most { *x } else { *most };
         }
-        chosen.push(points[index]);
     }
-    chosen
+    [least.into_iter().fold(f32::INFINITY, f32::min), most.into_iter().fold(0.0, f32::max)]
 }
 
 /// A coordinate that left [−half, half], reflected at the border.
-fn reflected(x: f64, half: f64) -> f64 {
+fn reflected(x: f32, half: f32) -> f32 {
     if x.abs() <= half {
         return x;
     }

@@ -122,7 +122,7 @@ fn search(seen: &Tisdale) -> Vec<String> {
     for kind in [COARSE, PARTICLES] {
         for (belief, step) in beliefs_at(flight, &KINDS[kind], &steps).iter().zip(&steps) {
             let side_m = flight.config.ground.size_m[0].max(flight.config.ground.size_m[1]);
-            let mut marks = match belief.particles() {
+            let mut marks = match &belief.particles()[..] {
                 [] => vec![Mark::Heat(heat(&belief.map()))],
                 particles => vec![Mark::Dots(particles.to_vec())],
             };
