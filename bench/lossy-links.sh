@@ -2,27 +2,37 @@
 # The sweeps behind docs/lossy-links.md: the paper's city with coarser images, 200 s.
 #
 #   bench/lossy-links.sh [FOLDER]        default: sweeps/lossy-links
-#   SEEDS=1..10 JOBS=8 bench/lossy-links.sh
+#   SEEDS=2001..2020 JOBS=8 bench/lossy-links.sh
+#   CSAT=target/release/csat bench/lossy-links.sh      without building
 #
 # Interrupted, it goes on where it was. Each sweep leaves sweep.csv, sweep_means.csv, report.html.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-sweeps/lossy-links}
-cargo build --release
-csat=${CARGO_TARGET_DIR:-target}/release/csat
+if [ -z "${CSAT:-}" ]; then
+    cargo build --release
+    CSAT=${CARGO_TARGET_DIR:-target}/release/csat
+fi
 
-sweep() { # NAME VARY...
-    local name=$1
-    shift
-    "$csat" sweep city "$@" --seeds "${SEEDS:-1..3}" ${JOBS:+--jobs "$JOBS"} --resume \
+sweep() { # NAME SCENARIO VARY...
+    local name=$1 scenario=$2
+    shift 2
+    "$CSAT" sweep "$scenario" "$@" --seeds "${SEEDS:-2001..2005}" ${JOBS:+--jobs "$JOBS"} --resume \
         --out "$out/$name" --set run.duration_s=200 \
         --set camera.columns=240 --set camera.rows=180 --set camera.min_pixels=2
 }
 
-modes='exchange.mode=facts,facts+repair,snapshot'
-sweep range --vary netem.radio.range_m=25,50,100,200,400,inf --vary "$modes"
+planners='guidance.criterion=str3,str4,str5'
+# Without radio `circles` divides the region once and for all; nothing is planned.
+sweep range city --vary netem.radio.range_m=25,50,100,200,inf --vary "guidance.criterion=str3,str4,str5,circles"
+sweep range-8 city --vary netem.radio.range_m=50,100,200,inf --vary 'guidance.criterion=str3,str5' --set agents.count=8
+sweep range-town helsinki-05 --vary netem.radio.range_m=50,100,200,inf --vary 'guidance.criterion=str3,str5'
+sweep delay city --vary netem.radio.delay.mean_s=1,3,10 --vary "$planners"
 # The same share of messages lost one by one, and in bursts of ten on average.
-sweep loss --vary 'netem.radio.loss=iid-30:{model="iid",p=0.3},iid-60:{model="iid",p=0.6},iid-90:{model="iid",p=0.9},bursts-30:{model="gilbert-elliott",p=0.042857,r=0.1},bursts-60:{model="gilbert-elliott",p=0.15,r=0.1},bursts-90:{model="gilbert-elliott",p=0.9,r=0.1}' \
-    --vary 'exchange.mode=facts,facts+repair'
-sweep delay --vary netem.radio.delay.mean_s=0,1,3,10 --vary 'exchange.mode=facts,facts+repair'
-sweep budget --vary exchange.budget_bytes_s=150,300,1000,3000,inf
+sweep loss city \
+    --vary 'netem.radio.loss=iid-60:{model="iid",p=0.6},bursts-60:{model="gilbert-elliott",p=0.15,r=0.1},iid-90:{model="iid",p=0.9},bursts-90:{model="gilbert-elliott",p=0.9,r=0.1}' \
+    --vary "$planners"
+sweep budget city --vary exchange.budget_bytes_s=150,300,1000,3000,inf
+modes='exchange.mode=facts,facts+repair,snapshot'
+sweep modes-range city --vary netem.radio.range_m=25,100,200 --vary "$modes"
+sweep modes-delay city --vary netem.radio.delay.mean_s=1,3,10 --vary "$modes"
