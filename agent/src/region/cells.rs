@@ -15,7 +15,8 @@
 //! this side of the line is passed, so its winding number stays as it is; the winding numbers beyond the
 //! line become 0. Where an edge crosses a line, it is bent by half a unit at most. Each piece of an edge
 //! is cut by at most one line of each of the 9 sizes in x and one in y, so it is bent by no more than 9
-//! units in all.
+//! units in all. Where a corner lies within a few units of a line, the engine may snap the border of a
+//! piece to it: a gap of that width may stay between two pieces until they grow next.
 
 use std::borrow::Cow;
 

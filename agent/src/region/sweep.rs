@@ -35,7 +35,8 @@ use super::vector::Vector;
 use crate::work::note_swept;
 
 /// The raw path of `ring ⊕ disc`; to be filled where the winding number is positive. The disc must
-/// [fit](Disc::fits) about every point of the ring, which may repeat points, or be just one.
+/// [fit](Disc::fits) about every point of the ring, which may repeat points, or be just one. With the other
+/// rings of its set it must not wind negatively about any point.
 pub(super) fn dilated_path(ring: &[GridPoint], disc: &Disc) -> Ring {
     note_swept(ring.len(), disc.reach_m());
     let corners = disc.corners();
@@ -90,7 +91,7 @@ fn crossing([e, f]: [Vector; 2], corners: [GridPoint; 2]) -> Option<GridPoint> {
     Some(GridPoint::new(place(q.x, e.x), place(q.y, e.y)))
 }
 
-/// The raw path of `ring ⊖ disc`: the complement, dilated.
+/// The raw path of `ring ⊖ disc`: the complement, dilated. The ring must be one of a resolved set.
 pub(super) fn eroded_path(ring: &[GridPoint], disc: &Disc) -> Ring {
     let reversed: Ring = ring.iter().rev().copied().collect();
     let mut path = dilated_path(&reversed, disc);

@@ -66,7 +66,10 @@ fn one_car_is_taken_for_no_other() {
             assert!(said.starts_with(&start), "{said}");
             assert!(said.contains("2 cars or more to be taken for each other"), "{said}");
         } else {
-            assert_eq!(warning(&sets), "");
+            let said = warning(&sets);
+            let start = "warning: with `camera.misidentify` = 0.1 and exchange.liars = 0 the guarantee does not hold\n";
+            assert!(said.starts_with(start) && said.matches("warning").count() == 1, "{said}");
+            assert_eq!(warning(&["camera.misidentify=0.1", &count, "exchange.liars=1"]), "");
         }
     }
 }
@@ -78,5 +81,15 @@ fn a_mission_without_labels_refuses_mistaken_cameras_once() {
         let mistakes = load_with(mission, &["camera.misidentify=0.1"]).unwrap_err().mistakes;
         let [only] = &mistakes[..] else { panic!("{mistakes:?}") };
         assert!(only.message.contains("whose cameras identify no targets"), "{only}");
+    }
+}
+
+/// Serde would take the elements of a list for the fields of a table.
+#[test]
+fn a_list_is_no_liar() {
+    for (value, index) in [("[[1,5,clear]]", 0), ("[[]]", 0), ("[{agent=1,kind=clear},[2]]", 1)] {
+        let said = set_mistake(&[&format!("faults.liar={value}")]);
+        let start = format!("error: `faults.liar[{index}]` cannot be a list");
+        assert!(said.starts_with(&start) && said.contains("expected a table"), "{said}");
     }
 }

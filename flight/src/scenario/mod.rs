@@ -200,9 +200,17 @@ pub fn load(request: Request<'_>) -> Result<Loaded, Mistakes> {
 /// file. If that is not the key that the issue is told of, it is named as well: a user who sets one value
 /// is not to be told only of another one that no longer fits.
 fn blame(issue: &Issue, sources: &Sources, tree: &tree::Table) -> Mistake {
+    let is_below = |key: &str, outer: &str| {
+        key.strip_prefix(outer).is_some_and(|rest| rest.starts_with(['.', '[']))
+    };
+    let is_written_below = |outer: &str| {
+        let mut keys = issue.keys.iter();
+        keys.any(|key| is_below(key, outer) && tree::exact(tree, key).is_some())
+    };
     let written = || {
-        let nodes = issue.keys.iter().map(|key| (key, tree::exact(tree, key)));
-        nodes.filter_map(|(key, node)| Some((key, node?)))
+        // A table is not to blame where the key in it was written.
+        let keys = issue.keys.iter().filter(|key| !is_written_below(key));
+        keys.filter_map(|key| Some((key, tree::exact(tree, key)?)))
     };
     let is_argument = |(_, node): &(_, &Node)| !sources.get(node.value.source).is_file;
     let mut mistake = issue.mistake.clone();

@@ -149,3 +149,29 @@ fn zones_without_errors_are_a_warning() {
     assert!(said.starts_with(start), "{said}");
     assert_eq!(warning(&[ZONE, ERROR]), "");
 }
+
+#[test]
+fn a_zone_lacks_both_corners() {
+    let said = set_mistake(&["pose.denied=[{}]"]);
+    assert!(
+        said.starts_with("error: `pose.denied[0]` lacks the keys `min_m`, `max_m`\n"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_zone_after_the_end_has_no_effect() {
+    let zone = "pose.denied=[{min_m=[0,0],max_m=[1,1],from_s=6}]";
+    let said = warning(&[ERROR, zone, "run.duration_s=5"]);
+    let start = "warning: `pose.denied[0].from_s` = 6 s is after the mission's end, 5 s\n";
+    assert!(said.starts_with(start) && said.contains(" = the zone has no effect\n"), "{said}");
+    assert_eq!(warning(&[ERROR, zone, "run.duration_s=6"]), "");
+}
+
+/// A list that is too long by one among thousands is found soon.
+#[test]
+fn the_wrong_element_of_a_long_list_is_named() {
+    let numbers = vec!["0.0"; 3000].join(",");
+    let said = set_mistake(&[&format!("agents.start=[{numbers}]")]);
+    assert!(said.starts_with("error: `agents.start[0]` cannot be "), "{said}");
+}

@@ -72,6 +72,10 @@ impl Scenario {
 
 /// Everything wrong with one unit.
 fn judge(form: &Form<'_>, defaults: &toml::Table, unit: &Unit<'_>) -> Vec<Failure> {
+    if let Some(index) = list_for_a_table(form, defaults, unit) {
+        let message = LIST_FOR_A_TABLE.to_owned();
+        return vec![Failure { message, indexes: vec![index], ..Failure::default() }];
+    }
     let mut failures = Vec::new();
     let mut value = unit.value.clone();
     while let Some(failure) = attempt(form, defaults, unit, &value) {
@@ -154,10 +158,16 @@ fn closer(
 fn indexes(value: &toml::Value, fails: &dyn Fn(toml::Value) -> bool) -> Vec<usize> {
     let toml::Value::Array(all) = value else { return Vec::new() };
     let first = |count: usize| toml::Value::Array(all[..count].to_vec());
-    match (0..=all.len()).find(|count| fails(first(*count))) {
+    // Lists that hold the element fail, so the first one is found by halving.
+    let (mut good, mut bad) = (0, all.len());
+    while good < bad {
+        let count = good.midpoint(bad);
+        if fails(first(count)) { bad = count } else { good = count + 1 }
+    }
+    match bad {
         // Of the empty list it is the type that is wrong.
-        None | Some(0) => Vec::new(),
-        Some(count) => {
+        0 => Vec::new(),
+        count => {
             let inner = |element| {
                 let mut list = all[..count - 1].to_vec();
                 list.push(element);
@@ -166,6 +176,21 @@ fn indexes(value: &toml::Value, fails: &dyn Fn(toml::Value) -> bool) -> Vec<usiz
             [vec![count - 1], indexes(&all[count - 1], &inner)].concat()
         }
     }
+}
+
+/// What serde would say of a list in place of a table, if it did not take the elements for the fields, in their
+/// order.
+const LIST_FOR_A_TABLE: &str = "invalid type: sequence, expected a table";
+
+/// The first list among the elements of a list of tables.
+fn list_for_a_table(form: &Form<'_>, defaults: &toml::Table, unit: &Unit<'_>) -> Option<usize> {
+    let index = unit.value.as_array()?.iter().position(toml::Value::is_array)?;
+    let table = toml::Value::Array(vec![toml::Table::new().into()]);
+    let takes_tables = match attempt(form, defaults, unit, &table) {
+        Some(failure) => missing(&failure).is_some(),
+        None => true,
+    };
+    takes_tables.then_some(index)
 }
 
 /// The key that serde misses.
@@ -185,8 +210,9 @@ fn all_missing(
     let mut value = value.clone();
     let mut all = vec![first];
     while let Some(key) = all.last() {
-        let stand_ins =
-            [toml::Value::Float(0.0), toml::Value::Integer(0), toml::Value::Array(Vec::new())];
+        let zero = toml::Value::Float(0.0);
+        let point = toml::Value::Array(vec![zero.clone(); 2]);
+        let stand_ins = [zero, toml::Value::Integer(0), toml::Value::Array(Vec::new()), point];
         let next = stand_ins.into_iter().find_map(|stand_in| {
             let mut filled = value.clone();
             entries(&mut filled)?.insert(key.clone(), stand_in);
@@ -222,8 +248,7 @@ fn attempt(
     let failure = |message| Some(Failure { message, ..Failure::default() });
     let is_table = lookup(defaults, &unit.path).is_some_and(toml::Value::is_table);
     if is_table && value.is_array() {
-        // Serde takes the elements for the fields, in their order.
-        return failure("invalid type: sequence, expected a table".to_owned());
+        return failure(LIST_FOR_A_TABLE.to_owned());
     }
     let mut candidate = defaults.clone();
     apply(&mut candidate, &unit.path, value.clone(), unit.replaces);

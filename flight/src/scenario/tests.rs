@@ -503,6 +503,20 @@ fn the_key_that_was_set_is_blamed() {
     assert!(message.starts_with(start), "{message}");
 }
 
+/// A mistake in a list in the file is not that of another key of the table.
+#[test]
+fn the_list_in_the_file_is_blamed() {
+    let folder = scratch("zone");
+    let file = folder.join("zone.toml");
+    let text =
+        "[pose]\nerror = [1, 1, 0, 0, 0, 0]\n[[pose.denied]]\nmin_m = [1, 1]\nmax_m = [0, 0]\n";
+    std::fs::write(&file, text).unwrap();
+    let mistakes = load_with(&file.to_string_lossy(), &["pose.drift=0.01"]).unwrap_err().mistakes;
+    let said = mistakes[0].to_string();
+    assert!(said.starts_with("error: `pose.denied[0].max_m` cannot be [0, 0]\n"), "{said}");
+    assert!(said.contains("zone.toml:5:9"), "{said}");
+}
+
 #[test]
 fn all_keys_that_a_model_lacks_are_named_at_once() {
     let message = set_mistake(&["netem.radio.loss={model='markov4',p14=0.5}"]);

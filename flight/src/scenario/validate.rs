@@ -188,6 +188,16 @@ impl Check {
         self.that(value == default, keys, &got, "no such key: it has no effect");
     }
 
+    /// Warns of a time at `path` after the mission's end; `help` says what does not happen then.
+    fn late(&mut self, path: &str, time_s: f64, scenario: &Scenario, help: &str) {
+        let end_s = end_s(scenario);
+        if time_s > end_s && time_s <= MAX_TIME_S {
+            let text = format!("`{path}` = {time_s} s is after the mission's end, {end_s} s");
+            let mistake = Mistake::new(text).help(help);
+            self.0.push(Issue { keys: with_ancestors(path), mistake, is_warning: true });
+        }
+    }
+
     fn warn(&mut self, keys: &[&'static str], mistake: Mistake) {
         self.0.push(Issue { keys: owned(keys), mistake, is_warning: true });
     }
@@ -210,6 +220,15 @@ fn run(check: &mut Check, run: &RunConfig) -> Option<f64> {
         check.warn(&["run.duration_s", "run.period_s"], Mistake::new(text).help(help));
     }
     (run.period_s > 0.0).then_some(run.period_s)
+}
+
+/// The time of the last frame, seconds; of a mission whose length is refused, ∞.
+fn end_s(scenario: &Scenario) -> f64 {
+    let RunConfig { duration_s, period_s } = scenario.run;
+    match period_s > 0.0 && duration_s >= period_s {
+        true => micro(period_s * f64::from(scenario.steps())),
+        false => f64::INFINITY,
+    }
 }
 
 /// Who flies around buildings turns back in the launch site, if need be, and decides in time.

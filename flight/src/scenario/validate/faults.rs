@@ -1,13 +1,11 @@
 //! `[faults]`, and what agents are told of it: agents that lie or are mistaken.
 
 use csat_agent::config::ExchangeMode;
-use csat_mission::documents::micro;
 use csat_mission::words::counted;
 use csat_world::lie::{Liar, LieKind};
 
-use super::{Check, Issue, MAX_TIME_S, Scenario, with_ancestors};
+use super::{Check, MAX_TIME_S, Scenario, end_s};
 use crate::scenario::mistake::Mistake;
-use crate::scenario::model::RunConfig;
 
 /// Judges the liars, and how many of them the agents allow for.
 pub(super) fn judge(check: &mut Check, scenario: &Scenario) {
@@ -48,6 +46,14 @@ fn heard(check: &mut Check, scenario: &Scenario) {
         let expected = format!("at most {q}, or a larger exchange.liars");
         check.warn(&["faults.liar", "exchange.liars"], Mistake::new(text).expected(expected));
     }
+    let p = scenario.camera.misidentify;
+    if p > 0.0 && p <= 1.0 && q == 0 {
+        let text = format!(
+            "with `camera.misidentify` = {p} and exchange.liars = 0 the guarantee does not hold"
+        );
+        let mistake = Mistake::new(text).expected("exchange.liars of 1 or more");
+        check.warn(&["camera.misidentify", "exchange.liars"], mistake);
+    }
 }
 
 fn of_liar(check: &mut Check, index: usize, liar: &Liar, scenario: &Scenario) {
@@ -60,26 +66,12 @@ fn of_liar(check: &mut Check, index: usize, liar: &Liar, scenario: &Scenario) {
     let is_time = (0.0..=MAX_TIME_S).contains(&liar.from_s);
     let expected = format!("a time from 0 to {MAX_TIME_S} s");
     check.at(is_time, &path(index, "from_s"), &liar.from_s, &expected);
-    let end_s = end_s(scenario);
-    if is_time && liar.from_s > end_s {
-        let path = path(index, "from_s");
-        let text = format!("`{path}` = {} s is after the mission's end, {end_s} s", liar.from_s);
-        let mistake = Mistake::new(text).help(format!("UAV {} does not lie", liar.agent));
-        check.0.push(Issue { keys: with_ancestors(&path), mistake, is_warning: true });
-    }
+    let help = format!("UAV {} does not lie", liar.agent);
+    check.late(&path(index, "from_s"), liar.from_s, scenario, &help);
     let targets = scenario.targets.count;
     let is_alone = liar.kind == LieKind::Misidentify && targets < 2;
     let expected = "another kind, or 2 cars or more to be taken for each other (targets.count)";
     check.at(!is_alone, &path(index, "kind"), &"`misidentify`", expected);
-}
-
-/// The time of the last frame, seconds; of a mission whose length is refused, ∞.
-fn end_s(scenario: &Scenario) -> f64 {
-    let RunConfig { duration_s, period_s } = scenario.run;
-    match period_s > 0.0 && duration_s >= period_s {
-        true => micro(period_s * f64::from(scenario.steps())),
-        false => f64::INFINITY,
-    }
 }
 
 /// The path of a key of the liar at `index`.

@@ -89,6 +89,8 @@ fn denied(check: &mut Check, scenario: &Scenario, pose: &ObserverModel) {
             let expected = format!("a time after from_s = {from_s} s, or inf");
             that(until_s > from_s, "until_s", &until_s.to_string(), &expected);
         }
+        let path = format!("pose.denied[{index}].from_s");
+        check.late(&path, from_s, scenario, "the zone has no effect");
     }
 }
 
