@@ -51,7 +51,7 @@ impl Inner {
     }
 
     /// self ∪ `parts`, simplified by at most `tolerance_m` where parts were added. Shapes whose boxes
-    /// meet no part stay as they are; clusters of those that meet are united one by one.
+    /// meet, directly or through others, are united; clusters of them without a part stay as they are.
     pub fn absorbing(self, parts: &[&Inner], tolerance_m: f64) -> Inner {
         let sources = std::iter::once(&self).chain(parts.iter().copied()).enumerate();
         let shapes = sources.flat_map(|(source, set)| {
