@@ -93,6 +93,9 @@ impl Operation<'_> {
             part.retain(|path| path.extent.meets(&extent));
         }
         self.parts.retain(|part| !part.is_empty());
+        if self.rule == RULE::Intersect && self.parts.is_empty() {
+            return;
+        }
         match cell.line() {
             Some(line) if self.edges() > EDGES => {
                 let [low, high] = self.halves(line);

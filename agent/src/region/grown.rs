@@ -4,6 +4,7 @@
 use csat_proto::region::{GridBox, GridPoint, MAX_COORDINATE_M, Region, Ring, Shape, to_units};
 
 use super::cells::{difference, paths};
+use super::relaxed::is_box_around;
 use super::simplify::{Approximation, simplified_rings};
 use super::sweep::dilated_path;
 use super::{Inner, Outer, Reach};
@@ -53,24 +54,13 @@ impl Grown {
     /// The set minus the union of `parts`.
     pub fn minus<'a>(&self, parts: impl IntoIterator<Item = &'a Inner>) -> Outer {
         let outside = match GridBox::around(self.paths.iter().flatten()) {
-            Some(extent) if !is_within(&extent, &self.bounds) => outside(&self.bounds),
+            Some(extent) if !is_box_around(&self.bounds, &extent) => outside(&self.bounds),
             _ => Vec::new(),
         };
         let parts = parts.into_iter().map(|part| paths(part.region().rings()));
         let parts = std::iter::once(paths(&outside)).chain(parts).collect();
         Outer::containing(difference(paths(&self.paths), parts))
     }
-}
-
-/// Whether a box lies within a rectangle; false if `bounds` is no rectangle.
-fn is_within(extent: &GridBox, bounds: &Region) -> bool {
-    bounds.bounds().is_some_and(|b| {
-        let is_corner = |p: &GridPoint| {
-            (p.x == b.min.x || p.x == b.max.x) && (p.y == b.min.y || p.y == b.max.y)
-        };
-        let is_rectangle = bounds.vertex_count() == 4 && bounds.rings().flatten().all(is_corner);
-        is_rectangle && b.contains(extent.min) && b.contains(extent.max)
-    })
 }
 
 /// The rings of everything outside `bounds`.

@@ -1,5 +1,7 @@
 //! Inner approximations.
 
+use std::collections::BTreeMap;
+
 use csat_proto::region::{GridBox, Region, Ring, Shape};
 
 use super::boolean::{clusters, shallow_groups};
@@ -53,22 +55,23 @@ impl Inner {
     /// self ∪ `parts`, simplified by at most `tolerance_m` where parts were added. Shapes whose boxes
     /// meet, directly or through others, are united; clusters of them without a part stay as they are.
     pub fn absorbing(self, parts: &[&Inner], tolerance_m: f64) -> Inner {
-        let sources = std::iter::once(&self).chain(parts.iter().copied()).enumerate();
-        let shapes = sources.flat_map(|(source, set)| {
-            set.0.shapes().iter().filter_map(move |s| Some((GridBox::around(&s[0])?, (source, s))))
+        let own = self.0.into_shapes().into_iter().map(|shape| (0, shape));
+        let added = (1..).zip(parts).flat_map(|(source, part)| {
+            part.0.shapes().iter().map(move |shape| (source, shape.clone()))
         });
+        let with_box = |item: (usize, Shape)| Some((GridBox::around(&item.1[0])?, item));
         let mut sum: Vec<Shape> = Vec::new();
-        for mut cluster in clusters(shapes) {
-            if cluster.iter().all(|(source, _)| *source == 0) {
-                sum.extend(cluster.into_iter().map(|(_, shape)| shape.clone()));
+        for cluster in clusters(own.chain(added).filter_map(with_box)) {
+            let mut sets: BTreeMap<usize, Vec<Shape>> = BTreeMap::new();
+            for (source, shape) in cluster {
+                sets.entry(source).or_default().push(shape);
+            }
+            if sets.keys().eq([&0]) {
+                sum.extend(sets.into_values().flatten());
                 continue;
             }
-            cluster.sort_by_key(|(source, _)| *source);
-            let same_source = cluster.chunk_by(|(a, _), (b, _)| a == b);
-            let sets: Vec<Inner> = same_source
-                .map(|shapes| shapes.iter().map(|(_, shape)| (*shape).clone()).collect())
-                .map(|shapes| Inner(Region::from_shapes(shapes)))
-                .collect();
+            let sets: Vec<Inner> =
+                sets.into_values().map(|shapes| Inner(Region::from_shapes(shapes))).collect();
             sum.extend(Inner::union(&sets).simplified(tolerance_m).into_region().into_shapes());
         }
         Inner(Region::from_shapes(sum))

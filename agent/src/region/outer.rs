@@ -52,13 +52,6 @@ impl Outer {
 
     /// self ∩ other.
     pub fn intersection(&self, other: &Outer) -> Outer {
-        let meets = match (self.0.bounds(), other.0.bounds()) {
-            (Some(a), Some(b)) => a.meets(&b),
-            _ => false,
-        };
-        if !meets {
-            return Outer::default();
-        }
         Outer(cells::intersection(&self.0, &other.0))
     }
 

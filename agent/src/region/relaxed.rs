@@ -56,7 +56,7 @@ impl Outer {
 }
 
 /// Whether a region is a rectangle, along the axes, that contains a box.
-fn is_box_around(region: &Region, inner: &GridBox) -> bool {
+pub(super) fn is_box_around(region: &Region, inner: &GridBox) -> bool {
     let [shape] = region.shapes() else { return false };
     let Some(b) = GridBox::around(shape.iter().flatten()) else { return false };
     let is_corner =

@@ -188,14 +188,18 @@ impl Check {
         self.that(value == default, keys, &got, "no such key: it has no effect");
     }
 
-    /// Warns of a time at `path` after the mission's end; `help` says what does not happen then.
-    fn late(&mut self, path: &str, time_s: f64, scenario: &Scenario, help: &str) {
-        let end_s = end_s(scenario);
-        if time_s > end_s && time_s <= MAX_TIME_S {
-            let text = format!("`{path}` = {time_s} s is after the mission's end, {end_s} s");
+    /// Demands a time from 0 on at `path`, at which something begins, and tells whether it is one. Warns if it is after
+    /// the mission's end; `help` says what does not happen then.
+    fn begins(&mut self, path: &str, from_s: f64, run: &RunConfig, help: &str) -> bool {
+        let is_time = (0.0..=MAX_TIME_S).contains(&from_s);
+        self.at(is_time, path, &from_s, &format!("a time from 0 to {MAX_TIME_S} s"));
+        let end_s = end_s(run);
+        if is_time && from_s > end_s {
+            let text = format!("`{path}` = {from_s} s is after the mission's end, {end_s} s");
             let mistake = Mistake::new(text).help(help);
             self.0.push(Issue { keys: with_ancestors(path), mistake, is_warning: true });
         }
+        is_time
     }
 
     fn warn(&mut self, keys: &[&'static str], mistake: Mistake) {
@@ -216,17 +220,16 @@ fn run(check: &mut Check, run: &RunConfig) -> Option<f64> {
             "`run.duration_s` = {} s is no multiple of run.period_s = {} s",
             run.duration_s, run.period_s
         );
-        let help = format!("the mission ends with its last frame, at {} s", micro(flown_s));
+        let help = format!("the mission ends with its last frame, at {} s", end_s(run));
         check.warn(&["run.duration_s", "run.period_s"], Mistake::new(text).help(help));
     }
     (run.period_s > 0.0).then_some(run.period_s)
 }
 
 /// The time of the last frame, seconds; of a mission whose length is refused, ∞.
-fn end_s(scenario: &Scenario) -> f64 {
-    let RunConfig { duration_s, period_s } = scenario.run;
-    match period_s > 0.0 && duration_s >= period_s {
-        true => micro(period_s * f64::from(scenario.steps())),
+fn end_s(run: &RunConfig) -> f64 {
+    match run.period_s > 0.0 && run.duration_s >= run.period_s {
+        true => micro(run.period_s * f64::from(run.steps())),
         false => f64::INFINITY,
     }
 }

@@ -4,7 +4,7 @@ use csat_agent::config::ExchangeMode;
 use csat_mission::words::counted;
 use csat_world::lie::{Liar, LieKind};
 
-use super::{Check, MAX_TIME_S, Scenario, end_s};
+use super::{Check, Scenario, end_s};
 use crate::scenario::mistake::Mistake;
 
 /// Judges the liars, and how many of them the agents allow for.
@@ -28,7 +28,7 @@ pub(super) fn judge(check: &mut Check, scenario: &Scenario) {
 
 /// Warns of lies that nobody hears, and of more liars than the agents allow for.
 fn heard(check: &mut Check, scenario: &Scenario) {
-    let end_s = end_s(scenario);
+    let end_s = end_s(&scenario.run);
     let liars = scenario.faults.liar.iter().filter(|liar| liar.from_s <= end_s).count();
     let q = scenario.exchange.liars;
     if scenario.exchange.mode == ExchangeMode::None {
@@ -63,11 +63,8 @@ fn of_liar(check: &mut Check, index: usize, liar: &Liar, scenario: &Scenario) {
         false => format!("the index of a UAV, below agents.count = {uavs}: stations see nothing"),
     };
     check.at(liar.agent < uavs, &path(index, "agent"), &liar.agent, &expected);
-    let is_time = (0.0..=MAX_TIME_S).contains(&liar.from_s);
-    let expected = format!("a time from 0 to {MAX_TIME_S} s");
-    check.at(is_time, &path(index, "from_s"), &liar.from_s, &expected);
     let help = format!("UAV {} does not lie", liar.agent);
-    check.late(&path(index, "from_s"), liar.from_s, scenario, &help);
+    check.begins(&path(index, "from_s"), liar.from_s, &scenario.run, &help);
     let targets = scenario.targets.count;
     let is_alone = liar.kind == LieKind::Misidentify && targets < 2;
     let expected = "another kind, or 2 cars or more to be taken for each other (targets.count)";
