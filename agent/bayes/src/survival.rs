@@ -6,6 +6,7 @@ use csat_proto::raster::Grid;
 
 use crate::belief::grid::diffused;
 use crate::likelihood::Likelihood;
+use crate::likelihood::many::Weigher;
 use crate::search_map::CELL_M;
 
 /// ∫ p(x) Π (1 − p(D, V | x)) dx over the frames, on a coarse raster. A false alarm detects nothing.
@@ -25,13 +26,21 @@ impl Survival {
 
     /// A frame was taken; what it showed does not count.
     pub fn look(&mut self, frame: &Likelihood) {
-        let Some(footprint) = frame.footprint() else { return };
+        let (Some(weigher), Some(footprint)) = (Weigher::of_survival(frame), frame.footprint())
+        else {
+            return;
+        };
         let columns = self.grid.columns_between(footprint.min[0], footprint.max[0]);
+        let x: Vec<f32> =
+            columns.clone().map(|column| self.grid.centre(column, 0)[0] as f32).collect();
+        let (mut y, mut unseen) = (vec![0.0; x.len()], vec![0.0; x.len()]);
         for row in self.grid.rows_between(footprint.min[1], footprint.max[1]) {
-            for column in columns.clone() {
-                let p = frame.p_detection(self.grid.centre(column, row));
-                self.mass[self.grid.index(column, row)] *= 1.0 - p;
-            }
+            y.fill(self.grid.centre(0, row)[1] as f32);
+            unseen.fill(1.0);
+            weigher.weigh(&x, &y, &mut unseen);
+            let first = self.grid.index(columns.start, row);
+            let mass = self.mass[first..first + x.len()].iter_mut();
+            mass.zip(&unseen).for_each(|(mass, unseen)| *mass *= f64::from(*unseen));
         }
     }
 

@@ -83,11 +83,15 @@ impl Particles {
         let mut bits = [0; 4 * BLOCK];
         for (x, y) in self.x.chunks_mut(BLOCK).zip(self.y.chunks_mut(BLOCK)) {
             rng.fill_bytes(&mut bits);
-            for ((x, y), bits) in x.iter_mut().zip(y).zip(bits.as_chunks().0) {
+            let (mut along_x, mut along_y) = ([0.0; BLOCK], [0.0; BLOCK]);
+            let steps = along_x.iter_mut().zip(&mut along_y);
+            for ((along_x, along_y), bits) in steps.zip(bits.as_chunks().0) {
                 let bits = u32::from_le_bytes(*bits) as usize;
-                *x = reflected(*x + sigma_m * normal[bits % normal.len()], width);
-                *y = reflected(*y + sigma_m * normal[(bits >> 16) % normal.len()], depth);
+                (*along_x, *along_y) =
+                    (normal[bits % normal.len()], normal[(bits >> 16) % normal.len()]);
             }
+            shift(x, &along_x, sigma_m, width);
+            shift(y, &along_y, sigma_m, depth);
         }
     }
 
@@ -96,10 +100,7 @@ impl Particles {
         let mut weights = vec![1.0f32; self.x.len()];
         let mut are_equal = true;
         for weigher in likelihoods.iter().filter_map(|likelihood| Weigher::new(likelihood)) {
-            let coordinates = self.x.chunks(BLOCK).zip(self.y.chunks(BLOCK));
-            for ((x, y), weights) in coordinates.zip(weights.chunks_mut(BLOCK)) {
-                weigher.weigh(x, y, weights);
-            }
+            weigher.weigh(&self.x, &self.y, &mut weights);
             // Many factors at once must not leave the range of numbers.
             let [least, most] = extremes(&weights);
             weights.iter_mut().for_each(|weight| *weight *= 1.0 / most);
@@ -239,6 +240,18 @@ fn extremes(numbers: &[f32]) -> [f32; 2] {
         }
     }
     [least.into_iter().fold(f32::INFINITY, f32::min), most.into_iter().fold(0.0, f32::max)]
+}
+
+/// Adds steps times `sigma_m` to coordinates, reflected at ±`half`.
+fn shift(coordinates: &mut [f32], steps: &[f32; BLOCK], sigma_m: f32, half: f32) {
+    let mut beyond = 0;
+    for (x, step) in coordinates.iter_mut().zip(steps) {
+        *x += sigma_m * step;
+        beyond += u32::from(x.abs() > half);
+    }
+    if beyond > 0 {
+        coordinates.iter_mut().for_each(|x| *x = reflected(*x, half));
+    }
 }
 
 /// A coordinate that left [−half, half], reflected at the border.

@@ -44,7 +44,7 @@ fn many_points_have_the_ratios_of_each() {
     assert!(worst[0] < 2e-5 && worst[1] < 5e-5, "{worst:?}");
 }
 
-/// A point has the same ratio alone and in a block, to the last bit.
+/// A point has the same ratio alone, in a block, and by instructions that every processor has, to the last bit.
 #[test]
 fn a_block_has_the_ratios_of_its_points() {
     let pose = Pose { p_world: [0.0, 0.0, 90.0], yaw_rad: 0.3, pitch_rad: 0.1, roll_rad: -0.1 };
@@ -54,6 +54,9 @@ fn a_block_has_the_ratios_of_its_points() {
         let y = x.map(|x| 0.3 * x - 5.0);
         let mut weights = [2.0; BLOCK];
         weigher.weigh(&x, &y, &mut weights);
+        let mut plain = [2.0; BLOCK];
+        weigher.weigh_block(&x, &y, &mut plain);
+        assert_eq!(weights, plain);
         let alone = |i: usize| 2.0 * ratio(&weigher, [x[i].into(), y[i].into()]);
         assert_eq!(weights, std::array::from_fn(alone));
     }
@@ -90,4 +93,22 @@ fn powers_and_odds_are_as_exact_as_is_said() {
         let error = 1.0 / (1.0 + f64::from(odds_against(t))) - phi(t.into());
         assert!(error.abs() < 1e-6, "{t}: {error}");
     }
+}
+
+/// What (8) multiplies by is what is left of p(D, V | x), whatever the frame showed.
+#[test]
+fn survival_is_what_is_not_detected() {
+    let pose = Pose { p_world: [10.0, 5.0, 90.0], yaw_rad: 0.3, pitch_rad: 0.1, roll_rad: -0.1 };
+    let mut least = 1.0f64;
+    for sighting in [None, Some([300.0, 200.0])] {
+        let likelihood = Likelihood::of_frame(&sensor(), &pose, sighting);
+        let weigher = Weigher::of_survival(&likelihood).unwrap();
+        for i in 0..60 * 60 {
+            let p = [i % 60, i / 60].map(|i| f64::from(i as f32 * 5.0 - 147.5));
+            let (got, expected) = (f64::from(ratio(&weigher, p)), 1.0 - likelihood.p_detection(p));
+            assert!((got - expected).abs() < 1e-5, "{p:?}: {got} {expected}");
+            least = least.min(got);
+        }
+    }
+    assert!(least < 0.9, "{least}");
 }
