@@ -25,6 +25,8 @@ sweep() { # NAME SCENARIO VARY...
 planners='guidance.criterion=str3,str4,str5'
 # Without radio `circles` divides the region once and for all; nothing is planned.
 sweep range city --vary netem.radio.range_m=25,50,100,200,inf --vary "guidance.criterion=str3,str4,str5,circles"
+sweep range-fleet city --vary netem.radio.range_m=25,50,100,200 --vary guidance.objective=own,fleet \
+    --set guidance.criterion=str4 --no-baseline
 sweep range-town helsinki-05 --vary netem.radio.range_m=50,100,200,inf --vary 'guidance.criterion=str3,str5'
 sweep range-8 city --vary netem.radio.range_m=50,100 --vary 'guidance.criterion=str3,str5' --set agents.count=8 --no-baseline
 sweep delay city --vary netem.radio.delay.mean_s=1,3,10 --vary "$planners"

@@ -434,6 +434,7 @@ impl SetMembershipAgent {
             wanted: &rasters.wanted,
             margin: &rasters.margin,
             hidden_now: self.own_frame.measured().map_or(&nothing, |m| &m.hidden),
+            silent: &pass.silent,
             neighbours_hidden_now: &neighbours_hidden_now,
             hidden_recent: &rasters.hidden_recently,
             oem,
@@ -489,7 +490,7 @@ impl Agent for SetMembershipAgent {
                 }
             }
             Ok(Received::Plan { from, incarnation, plan }) => {
-                match self.scheduler.on_plan(from, &plan) {
+                match self.scheduler.on_plan(self.now, from, &plan) {
                     Ok(()) => {
                         self.receiver.believe(from, incarnation);
                         // No decision of a station waits for it.

@@ -177,6 +177,17 @@ pub enum Criterion {
     Lawnmower,
 }
 
+/// Whose knowledge the planner serves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Objective {
+    /// What this UAV itself knows.
+    Own,
+    /// What all UAVs know together: ground in the shares of silent UAVs counts less ([`Str4Config::silent`]). Only for
+    /// `str4` and `str5`.
+    Fleet,
+}
+
 /// When each UAV plans (thesis §5.3.2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -195,6 +206,8 @@ pub enum Schedule {
 pub struct GuidanceConfig {
     /// The cost.
     pub criterion: Criterion,
+    /// Whose knowledge it is about.
+    pub objective: Objective,
     /// κ, weight of recently hidden ground (5.32).
     pub kappa: f64,
     /// λ, weight of the distance tie-break.
@@ -216,7 +229,7 @@ pub struct GuidanceConfig {
 }
 
 /// `[guidance.str4]`: the horizon and the width of the search of `str4` and `str5`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Str4Config {
     /// The number of blocks of T_MPC in the horizon, instead of `guidance.n_mpc`.
@@ -226,11 +239,13 @@ pub struct Str4Config {
     /// The value of the first look from nearby at unknown ground beside a building: its area for this
     /// many blocks.
     pub first_look: u16,
+    /// Under the objective `fleet`, what ground counts in the share of a UAV from which no plan arrives, from 0 to 1.
+    pub silent: f64,
 }
 
 impl Default for Str4Config {
     fn default() -> Self {
-        Self { n_mpc: 20, beam: 200, first_look: 10 }
+        Self { n_mpc: 20, beam: 200, first_look: 10, silent: 0.25 }
     }
 }
 
@@ -283,6 +298,7 @@ impl Default for GuidanceConfig {
     fn default() -> Self {
         Self {
             criterion: Criterion::Str3,
+            objective: Objective::Own,
             kappa: 1.0,
             lambda: 1e-5,
             n_mpc: 2,

@@ -212,6 +212,7 @@ impl Lab {
             wanted: &wanted,
             margin: &margin,
             hidden_now: &nothing,
+            silent: &[],
             neighbours_hidden_now: &[],
             hidden_recent: &hidden_recent,
             oem: &self.oem,

@@ -87,6 +87,15 @@ fn every_key_of_str5_has_an_effect() {
 }
 
 #[test]
+fn whose_knowledge_counts_has_an_effect() {
+    const KEYS: [Key; 2] = [
+        ("guidance.objective=fleet", &[]),
+        ("guidance.str4.silent=0.5", &["guidance.objective=fleet"]),
+    ];
+    SHORT.every_key_changes(&KEYS, digest);
+}
+
+#[test]
 fn str5_keeps_in_contact() {
     let base = scratch();
     let contact = |criterion: &str| {
@@ -110,7 +119,24 @@ fn without_a_price_or_a_range_it_is_str4() {
     }
 }
 
+/// Over perfect links nobody is silent.
+#[test]
+fn with_perfect_links_the_objectives_are_one() {
+    let base = scratch();
+    for schedule in ["sequential-loopback", "asynchronous"] {
+        let flown = |objective: &str| {
+            let name = format!("{schedule}-{objective}");
+            let schedule = format!("guidance.schedule={schedule}");
+            let objective = format!("guidance.objective={objective}");
+            let sets = ["netem.radio.range_m=inf", &schedule, &objective];
+            digest(&SHORT.flown(base.path(), "run", &name, &sets))
+        };
+        assert_eq!(flown("own"), flown("fleet"), "{schedule}");
+    }
+}
+
 #[test]
 fn one_process_and_many_come_to_the_same_under_str5() {
-    SHORT.is_the_same_in_processes(&[("short", &[])], &["digest", "violations", "unexplored_pct"]);
+    let cases: [(&str, &[&str]); 2] = [("short", &[]), ("fleet", &["guidance.objective=fleet"])];
+    SHORT.is_the_same_in_processes(&cases, &["digest", "violations", "unexplored_pct"]);
 }

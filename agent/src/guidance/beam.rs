@@ -5,7 +5,8 @@
 //! looks at buildings count more ([`super::first_looks`]). The horizon is long enough to look all
 //! around and to fly on and look elsewhere. It is too long to try every sequence, so the search is a
 //! beam search: per block the best candidates are kept, at most one per rounded pose, so that the
-//! beam does not fill with detours to the same pose. `str5` also counts lost contact with the other UAVs
+//! beam does not fill with detours to the same pose. What ground counts depends on the objective
+//! ([`super::objective`]). `str5` also counts lost contact with the other UAVs
 //! ([`super::connectivity`]).
 
 use std::collections::BTreeSet;
@@ -16,6 +17,7 @@ use csat_proto::raster::{Grid, Raster};
 use super::connectivity::Connectivity;
 use super::criterion::Terms;
 use super::first_looks::FirstLooks;
+use super::objective::{FULL, GroundCost};
 use super::rollout::{Motion, ViewOverlap};
 use super::rounded_views::{RoundedPose, RoundedViews};
 use super::turning::Turning;
@@ -33,6 +35,7 @@ pub(super) struct Beam {
     first_looks: FirstLooks,
     /// The bonus of a cell at the first look, blocks.
     first_look: i64,
+    ground_cost: GroundCost,
     /// Where contact counts.
     connectivity: Option<Connectivity>,
     motion: Motion,
@@ -56,8 +59,8 @@ struct Candidate {
     increment_rad: f64,
     pose: Pose,
     place: RoundedPose,
-    /// Cells of X^Δ, summed over the blocks, less the bonus of first looks and with the cost of lost
-    /// contact.
+    /// X^Δ, summed over the blocks, less the bonus of first looks and with the cost of lost contact:
+    /// units of 1 / [`FULL`] cells.
     cost: i64,
 }
 
@@ -71,6 +74,7 @@ impl Beam {
             rounded_views: RoundedViews::new(grid, config),
             first_looks: FirstLooks::new(grid, config),
             first_look: config.guidance.str4.first_look.into(),
+            ground_cost: GroundCost::new(config, grid),
             connectivity: Connectivity::new(config, grid.cells()),
             motion: Motion::new(config),
             overlap: ViewOverlap::new(config),
@@ -93,6 +97,7 @@ impl Beam {
         self.rounded_views.expect(&input.pose_error);
         self.first_looks.expect(&input.pose_error);
         self.rounded_views.load(input.oem);
+        self.ground_cost.load(input.silent);
         let margin = self.coarse(input.margin);
         let remaining = self.coarse(input.wanted);
         if self.first_look > 0 {
@@ -119,7 +124,8 @@ impl Beam {
             sets = best.iter().map(|child| self.after_look(child, &sets[child.parent])).collect();
             beams.push(best);
         }
-        let cost = beams[self.blocks][0].cost as f64 * self.grid.cell_m.powi(2);
+        let cells = beams[self.blocks][0].cost as f64 / FULL as f64;
+        let cost = cells * self.grid.cell_m.powi(2);
         let (increments_rad, poses) = first_of(&beams);
         Decision { increments_rad, poses, cost, terms: Terms::default(), nodes }
     }
@@ -181,16 +187,16 @@ impl Beam {
     ) -> Vec<Candidate> {
         let mut children = Vec::with_capacity(beam.len() * self.increments.len());
         for (parent, (candidate, set)) in beam.iter().zip(sets).enumerate() {
-            let cost = candidate.cost + i64::from(set.count());
+            let cost = candidate.cost + self.ground_cost.of(set);
             let choices = input.choices(&self.increments, &candidate.pose, kind);
             for (choice, increment_rad) in choices {
                 let pose = self.turning.advance(&candidate.pose, choice);
                 let place = RoundedPose::of(&pose, &self.grid);
-                let seen = i64::from(self.rounded_views.look(place).count_in(set));
-                let first = i64::from(self.first_looks.look(place).count_in(set));
+                let seen = self.ground_cost.seen(self.rounded_views.look(place), set);
+                let first = self.ground_cost.seen(self.first_looks.look(place), set);
                 let links = self.connectivity.as_ref();
                 let apart = links.map_or(0, |links| links.cost(block, pose.p_world));
-                let cost = cost - seen - self.first_look * first + apart;
+                let cost = cost - seen - self.first_look * first + FULL * apart;
                 children.push(Candidate { parent, increment_rad, pose, place, cost });
             }
         }

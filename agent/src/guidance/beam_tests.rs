@@ -1,3 +1,4 @@
+use csat_proto::ids::AgentId;
 use csat_proto::oem::{OemCell, OemDelta};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -6,7 +7,7 @@ use super::super::Planner;
 use super::super::tests::{Scene, default_config, fill};
 use super::super::viewshed::RayCaster;
 use super::*;
-use crate::config::Criterion;
+use crate::config::{Criterion, Objective};
 
 fn config(n_mpc: u8, beam: u16) -> AgentConfig {
     let mut config = default_config();
@@ -73,7 +74,21 @@ fn sets_spread_as_fast_as_targets_drive() {
     }
 }
 
-/// Σ φ(X^Δ_k) of a sequence by the definition, cells, less the bonus of first looks. Views are those
+/// The cost of a set in a fleet of 4, m². UAV 3, whose share is the north-east, is silent.
+fn counted_m2(config: &AgentConfig, set: &Raster) -> f64 {
+    let silent = match config.guidance.objective {
+        Objective::Own => 1.0,
+        Objective::Fleet => config.guidance.str4.silent,
+    };
+    let cell_m2 = set.grid().cell_m.powi(2);
+    let of = |(column, row)| {
+        let [x, y] = set.grid().centre(column, row);
+        if x < 0.0 || y < 0.0 { 1.0 } else { silent }
+    };
+    set.iter().map(|cell| cell_m2 * of(cell)).sum()
+}
+
+/// Σ φ(X^Δ_k) of a sequence by the definition, m², less the bonus of first looks. Views are those
 /// of the camera at the rounded pose (every third cell, every quarter of a degree), point by point.
 fn cost(config: &AgentConfig, scene: &Scene, start: &Pose, poses: &[Pose], other: &[Pose]) -> f64 {
     let beam = Beam::new(config, vec![]);
@@ -85,9 +100,9 @@ fn cost(config: &AgentConfig, scene: &Scene, start: &Pose, poses: &[Pose], other
         first_looks.load(&remaining, &margin, caster.height_map(), start);
     }
     let mut look_first = |pose: &Pose, remaining: &mut Raster| {
-        let before = remaining.area_m2();
+        let before = counted_m2(config, remaining);
         first_looks.look(RoundedPose::of(pose, &beam.grid)).take_from(remaining);
-        before - remaining.area_m2()
+        before - counted_m2(config, remaining)
     };
     let first_look = f64::from(config.guidance.str4.first_look);
     let corner = beam.grid.centre(0, 0);
@@ -123,7 +138,7 @@ fn cost(config: &AgentConfig, scene: &Scene, start: &Pose, poses: &[Pose], other
         look_first(other, &mut remaining);
         sum -= first_look * look_first(own, &mut remaining.clone());
         see(own, &mut remaining);
-        sum += remaining.area_m2();
+        sum += counted_m2(config, &remaining);
         look_first(own, &mut remaining);
     }
     sum
@@ -135,10 +150,13 @@ fn a_wide_beam_finds_what_brute_force_finds() {
     let mut rng = ChaCha8Rng::seed_from_u64(21);
     for round in 0..8 {
         let mut config = config(2, 1000);
+        config.fleet.count = 4;
         config.guidance.str4.first_look = round % 4;
+        config.guidance.objective = [Objective::Own, Objective::Fleet][usize::from(round) / 4];
         let (scene, pose, other) = (scene(&config, &mut rng), start(&mut rng), start(&mut rng));
         let plan = Motion::new(&config).forecast(&[other], 0, 2);
-        let found = Planner::new(&config).plan(&scene.input(), &pose, std::slice::from_ref(&plan));
+        let input = PlannerInput { silent: &[AgentId(3)], ..scene.input() };
+        let found = Planner::new(&config).plan(&input, &pose, std::slice::from_ref(&plan));
         let turning = Turning::new(&config, &[-60.0, -30.0, 0.0, 30.0, 60.0].map(f64::to_radians));
         let mut least = f64::INFINITY;
         for (first, second) in (0..5).flat_map(|a| (0..5).map(move |b| (a, b))) {
@@ -149,6 +167,36 @@ fn a_wide_beam_finds_what_brute_force_finds() {
         assert_eq!(found.cost, least, "{round}");
         assert_eq!((found.poses.len(), found.nodes), (2, 30));
         assert_eq!(found.cost, cost(&config, &scene, &pose, &found.poses, &plan), "{round}");
+    }
+}
+
+/// Where nobody is silent, and where silent UAVs' ground counts in full, the objectives are one; also with the price of
+/// contact, and whatever was silent at the decision before.
+#[test]
+fn a_fleet_in_contact_flies_as_its_uavs_would() {
+    let mut rng = ChaCha8Rng::seed_from_u64(24);
+    for criterion in [Criterion::Str4, Criterion::Str5] {
+        let mut config = config(4, 30);
+        config.fleet.count = 2;
+        config.radio_range_m = 50.0;
+        config.guidance.criterion = criterion;
+        let (scene, pose, other) = (scene(&config, &mut rng), start(&mut rng), start(&mut rng));
+        let plan = [Motion::new(&config).forecast(&[other], 0, 4)];
+        let planner = |objective, silent| {
+            let mut config = config.clone();
+            config.guidance.objective = objective;
+            config.guidance.str4.silent = silent;
+            Planner::new(&config)
+        };
+        let fly = |planner: &mut Planner, silent: &[AgentId]| {
+            planner.plan(&PlannerInput { silent, ..scene.input() }, &pose, &plan)
+        };
+        let silent = [AgentId(1)];
+        let own = fly(&mut planner(Objective::Own, 0.0), &silent);
+        assert_eq!(fly(&mut planner(Objective::Fleet, 1.0), &silent), own);
+        let mut fleet = planner(Objective::Fleet, 0.0);
+        assert!(fly(&mut fleet, &silent).cost < own.cost);
+        assert_eq!(fly(&mut fleet, &[]), own);
     }
 }
 

@@ -21,6 +21,9 @@ pub(super) struct Connectivity {
     groups: Vec<Vec<Vec<[f64; 3]>>>,
 }
 
+/// No cost is higher, cells: more than any region has.
+const MOST: f64 = 1e9;
+
 impl Connectivity {
     /// The contact that `str5` keeps on a grid of that many `cells`; `None` for the other criteria, and
     /// where the radios reach everywhere.
@@ -62,7 +65,7 @@ impl Connectivity {
     pub(super) fn cost(&self, block: usize, position: [f64; 3]) -> i64 {
         let missing_m = |group: &Vec<[f64; 3]>| (gap_m(group, position) - self.reach_m).max(0.0);
         let missing_m: f64 = self.groups[block].iter().map(missing_m).sum();
-        (missing_m * self.price) as i64
+        (missing_m * self.price).min(MOST) as i64
     }
 }
 

@@ -13,6 +13,8 @@
 //! | `search` | the tree of yaw increments |
 //! | `beam` | `str4` and `str5`: beam search |
 //! | `connectivity` | what it costs to lose contact with the others, for `str5` |
+//! | `objective` | whose knowledge counts, for `str4` and `str5` |
+//! | `division` | the division of the region among the UAVs |
 //! | `first_looks` | buildings that no UAV has looked at from nearby yet, for `str4` |
 //! | `rounded_views` | views by rounded pose, for `str4` |
 //! | `height_map` | the heights of the buildings of the map, for `str4` |
@@ -25,6 +27,7 @@
 //! in `str4`, `str5` and `lawnmower` also of the arguments of earlier decisions.
 
 use csat_proto::camera::{Pose, PoseError};
+use csat_proto::ids::AgentId;
 use csat_proto::raster::{Grid, Raster};
 
 use crate::config::AgentConfig;
@@ -34,10 +37,12 @@ pub mod airspace;
 mod beam;
 mod connectivity;
 mod criterion;
+mod division;
 mod first_looks;
 mod footprint;
 mod height_map;
 mod nearest;
+mod objective;
 mod rasters;
 mod rollout;
 mod rounded_views;
@@ -72,6 +77,8 @@ pub struct PlannerInput<'a> {
     pub margin: &'a Raster,
     /// H^CVS of this step's own frame; only `str2` reads it.
     pub hidden_now: &'a Raster,
+    /// The UAVs from which nothing was heard for some decisions; only `guidance.objective` = `fleet` asks who they are.
+    pub silent: &'a [AgentId],
     /// H^CVS of this step of each neighbour, in the order of the neighbours given to
     /// [`Planner::plan`], where known (5.19); may be shorter. Only `str2` reads it.
     pub neighbours_hidden_now: &'a [Option<&'a Raster>],

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use csat_proto::camera::Pose;
 
 use super::criterion::Terms;
+use super::division::Share;
 use super::rollout::Motion;
 use super::{BlockKind, Decision, PlannerInput};
 use crate::config::{AgentConfig, Criterion};
@@ -116,26 +117,20 @@ impl Course {
     }
 }
 
-/// The circle of the sharpest turn, about the middle of this UAV's cell in a grid of rows, with a
+/// The circle of the sharpest turn, about the middle of this UAV's share, with a
 /// distance from the border so that the camera does not mostly look out of the region.
 fn circle(config: &AgentConfig, increments: &[f64], block_m: f64) -> Course {
     let [width, depth] = config.ground.size_m;
-    let count = f64::from(config.fleet.count.max(config.id.0.saturating_add(1)));
-    let index = f64::from(config.id.0);
-    let rows = (count * depth / width).sqrt().round().clamp(1.0, count);
-    let row = (index * rows / count).floor();
-    let first = (row * count / rows).ceil();
-    let in_row = ((row + 1.0) * count / rows).ceil() - first;
-    let share = [(index - first + 0.5) / in_row, (row + 0.5) / rows];
+    let middle = Share::of(config, config.id).middle();
     let turns = increments.iter().map(|u| u.abs()).filter(|&u| u > LEAST_TURN_RAD);
     let turn_rad = turns.max_by(f64::total_cmp).unwrap_or(FRAC_PI_2).min(PI);
-    let within = |share: f64, side_m: f64| {
+    let within = |part: f64, side_m: f64| {
         // In small regions the distance is smaller, so that UAVs keep apart.
         let most_m = (0.5 * side_m - BORDER_M).max(0.18 * side_m);
-        ((share - 0.5) * side_m).clamp(-most_m, most_m)
+        ((part - 0.5) * side_m).clamp(-most_m, most_m)
     };
     Course::Circle {
-        centre: [within(share[0], width), within(share[1], depth)],
+        centre: [within(middle[0], width), within(middle[1], depth)],
         radius_m: 0.5 * block_m / (0.5 * turn_rad).sin(),
     }
 }

@@ -34,6 +34,9 @@ pub struct Pass {
     pub neighbours: Vec<AgentId>,
     /// Their poses at the ends of the N_MPC blocks from this decision on, in the same order.
     pub poses: Vec<Vec<Pose>>,
+    /// With far-sighted plans, the UAVs from which no plan of the last two decisions arrived, by increasing index.
+    /// Before its third decision an agent calls nobody silent.
+    pub silent: Vec<AgentId>,
 }
 
 /// Why a plan was rejected.
@@ -87,7 +90,9 @@ struct Neighbour {
     /// Its last plan of an earlier decision than `latest`.
     earlier: Option<Plan>,
     /// It missed a deadline, and no plan of it arrived since.
-    silent: bool,
+    has_missed: bool,
+    /// Its last plan arrived while plans of that decision were still waited for.
+    is_prompt: bool,
 }
 
 /// The stage of the current decision.
@@ -116,6 +121,8 @@ pub struct Scheduler {
     /// By index; the own entry stays empty.
     fleet: Vec<Neighbour>,
     start: SimTime,
+    /// The step of the first decision.
+    first: Option<Step>,
     /// The step of the current decision.
     step: Step,
     /// The step of the last frame. An agent that starts during a mission has no decision yet.
@@ -146,6 +153,7 @@ impl Scheduler {
             passes: if loopback && !far_sighted { 2 } else { 1 },
             fleet: vec![Neighbour::default(); count],
             start: SimTime(0),
+            first: None,
             step: Step(0),
             frame: Step(0),
             stage: DecisionStage::Idle,
@@ -169,21 +177,25 @@ impl Scheduler {
     pub fn on_instant(&mut self, now: SimTime) {
         self.start = now;
         self.step = Step((now.seconds() / self.period_s).round() as u32);
+        self.first.get_or_insert(self.step);
         self.stage = DecisionStage::Pass(0);
     }
 
-    /// A plan of another UAV arrived. Plans may be of any decision, arrive in any order, and be
+    /// A plan of another UAV arrives now. Plans may be of any decision, arrive in any order, and be
     /// repeated.
     ///
     /// # Errors
     /// Why it was rejected; then nothing has changed.
-    pub fn on_plan(&mut self, from: AgentId, plan: &Plan) -> Result<(), PlanError> {
+    pub fn on_plan(&mut self, now: SimTime, from: AgentId, plan: &Plan) -> Result<(), PlanError> {
         self.check(from, plan)?;
+        let waited_s = f64::from(plan.step.0) * self.period_s + self.timeout_s;
+        let is_prompt = now <= SimTime(0).after(waited_s);
         let neighbour = &mut self.fleet[usize::from(from.0)];
-        neighbour.silent = false;
+        neighbour.has_missed = false;
         let age = |known: &Option<Plan>| known.as_ref().map(|known| (known.step, known.pass));
         let stamp = Some((plan.step, plan.pass));
         if stamp > age(&neighbour.latest) {
+            neighbour.is_prompt = is_prompt;
             let previous = neighbour.latest.replace(plan.clone());
             if previous.as_ref().is_some_and(|previous| previous.step < plan.step) {
                 neighbour.earlier = previous;
@@ -199,7 +211,7 @@ impl Scheduler {
     /// Forgets the plans of another UAV, and waits for none of it.
     pub fn forget(&mut self, uav: AgentId) {
         if let Some(neighbour) = self.fleet.get_mut(usize::from(uav.0)) {
-            *neighbour = Neighbour { silent: true, ..Neighbour::default() };
+            *neighbour = Neighbour { has_missed: true, ..Neighbour::default() };
         }
     }
 
@@ -240,7 +252,7 @@ impl Scheduler {
     pub fn on_timeout(&mut self, now: SimTime) {
         if self.next_deadline().is_some_and(|deadline| deadline <= now) {
             let awaited: Vec<usize> = self.awaited().collect();
-            awaited.into_iter().for_each(|index| self.fleet[index].silent = true);
+            awaited.into_iter().for_each(|index| self.fleet[index].has_missed = true);
         }
     }
 
@@ -261,16 +273,22 @@ impl Scheduler {
         if self.awaited().next().is_some() {
             return None;
         }
-        let (mut neighbours, mut poses) = (Vec::new(), Vec::new());
+        let (mut neighbours, mut poses, mut silent) = (Vec::new(), Vec::new(), Vec::new());
         for index in self.accounted_for(pass) {
+            let id = AgentId(index as u16);
             if let Some(plan) = self.known_plan(index) {
+                if !self.gives_way(index) {
+                    continue;
+                }
                 let elapsed = (self.step.0 - plan.step.0) / self.steps_per_block;
-                neighbours.push(AgentId(index as u16));
+                neighbours.push(id);
                 let planned: Vec<Pose> = plan.poses.iter().copied().map(Pose::from).collect();
                 poses.push(self.motion.forecast(&planned, elapsed as usize, self.blocks));
+            } else if self.far_sighted && self.has_decided_often() {
+                silent.push(id);
             }
         }
-        Some(Pass { step: self.step, pass, neighbours, poses })
+        Some(Pass { step: self.step, pass, neighbours, poses, silent })
     }
 
     /// The UAVs whose plans the current pass builds on and waits for.
@@ -287,7 +305,7 @@ impl Scheduler {
                 let neighbour = &self.fleet[index];
                 let said = neighbour.latest.as_ref().map(|plan| (plan.step, plan.pass));
                 let missing = said < Some((self.step, needed));
-                (missing && !neighbour.silent).then_some(index)
+                (missing && !neighbour.has_missed).then_some(index)
             })
     }
 
@@ -303,6 +321,15 @@ impl Scheduler {
         if all { self.fleet.len() } else { self.own }
     }
 
+    /// Whether plans of a UAV may change those of this one. With far-sighted plans a UAV accounts for the last plan of one
+    /// that plans after it, which in turn accounts for the new plan. If messages take longer than plans are waited for,
+    /// it cannot: both would leave the same ground to each other, and at the next decision both would fly to it. Then
+    /// only the one that plans later gives way.
+    fn gives_way(&self, index: usize) -> bool {
+        let is_in_turn = self.far_sighted && self.schedule != Schedule::Asynchronous;
+        !is_in_turn || index < self.own || self.fleet[index].is_prompt
+    }
+
     /// The UAVs that a pass accounts for: with far-sighted plans of the last decision also those
     /// after it.
     fn accounted_for(&self, pass: u8) -> impl Iterator<Item = usize> + use<> {
@@ -314,13 +341,22 @@ impl Scheduler {
         (0..end).filter(move |&index| index != own)
     }
 
+    /// Whether there was time for a plan to arrive since the first decision of this agent.
+    fn has_decided_often(&self) -> bool {
+        self.first.is_some_and(|first| first.after(self.lasts()) <= self.step)
+    }
+
+    /// For how many steps a far-sighted plan counts.
+    fn lasts(&self) -> u32 {
+        self.steps_per_block.saturating_mul(FAR_SIGHTED_DECISIONS)
+    }
+
     /// The newest usable plan of another UAV: none of a later decision, and in the asynchronous
     /// schedule none of this decision, so that the order of the agents within an instant does not
     /// matter.
     fn known_plan(&self, index: usize) -> Option<&Plan> {
         let neighbour = &self.fleet[index];
-        let lasts = self.steps_per_block.saturating_mul(FAR_SIGHTED_DECISIONS);
-        let oldest = if self.far_sighted { self.step.0.saturating_sub(lasts) } else { 0 };
+        let oldest = if self.far_sighted { self.step.0.saturating_sub(self.lasts()) } else { 0 };
         let usable = |plan: &&Plan| match self.schedule {
             _ if plan.step.0 < oldest => false,
             Schedule::Asynchronous => plan.step < self.step,

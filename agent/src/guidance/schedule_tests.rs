@@ -60,7 +60,7 @@ fn run(
         let due: Vec<(SimTime, u16, Plan)> = due;
         for (_, from, plan) in due {
             for &to in alive.iter().filter(|&&to| to != from) {
-                fleet[usize::from(to)].on_plan(AgentId(from), &plan).unwrap();
+                fleet[usize::from(to)].on_plan(now, AgentId(from), &plan).unwrap();
             }
         }
     }
@@ -106,14 +106,14 @@ fn the_loopback_waits_for_the_right_passes() {
     let step = Step(6);
     middle.on_instant(SimTime::from_seconds(3.0));
     assert_eq!(middle.ready(), None);
-    middle.on_plan(AgentId(2), &plan(2, step, 0)).unwrap();
+    middle.on_plan(SimTime(0), AgentId(2), &plan(2, step, 0)).unwrap();
     assert_eq!(middle.ready(), None, "the first pass waits for those before");
-    middle.on_plan(AgentId(0), &plan(0, step, 0)).unwrap();
+    middle.on_plan(SimTime(0), AgentId(0), &plan(0, step, 0)).unwrap();
     let pass = middle.ready().unwrap();
     assert_eq!((pass.pass, &pass.neighbours[..]), (0, &[AgentId(0)][..]));
     assert!(!middle.on_own_plan(&plan(1, step, 0)));
     assert_eq!(middle.ready(), None, "the second pass waits for the second plan of UAV 0");
-    middle.on_plan(AgentId(0), &plan(0, step, 1)).unwrap();
+    middle.on_plan(SimTime(0), AgentId(0), &plan(0, step, 1)).unwrap();
     let pass = middle.ready().unwrap();
     assert_eq!(pass.pass, 1);
     assert_eq!(pass.poses[0], planned(0, step, 1), "of UAV 0 the second plan");
@@ -144,7 +144,7 @@ fn far_sighted_plans_need_one_pass_and_account_for_everybody() {
         // current one.
         fleet[1].on_instant(SimTime::from_seconds(6.0));
         assert_eq!(fleet[1].ready(), None, "it waits for those before");
-        fleet[1].on_plan(AgentId(0), &plan(0, Step(12), 0)).unwrap();
+        fleet[1].on_plan(SimTime(0), AgentId(0), &plan(0, Step(12), 0)).unwrap();
         let pass = fleet[1].ready().unwrap();
         assert_eq!(pass.poses[0][0], planned(0, Step(12), 0)[0]);
         assert_eq!(pass.poses[1][0], planned(2, Step(6), 0)[1]);
@@ -157,7 +157,7 @@ fn far_sighted_plans_of_the_silent_count_for_two_decisions() {
     let mut config = config(1, 2, Schedule::SequentialLoopback);
     config.guidance.criterion = Criterion::Str4;
     let mut last = Scheduler::new(&config);
-    last.on_plan(AgentId(0), &plan(0, Step(0), 0)).unwrap();
+    last.on_plan(SimTime(0), AgentId(0), &plan(0, Step(0), 0)).unwrap();
     for (decision, heeded) in [(0, 1), (1, 1), (2, 1), (3, 0)] {
         let start = SimTime::from_seconds(3.0 * f64::from(decision));
         last.on_instant(start);
@@ -174,7 +174,7 @@ fn asynchronous_plans_at_once_with_the_plans_before() {
     assert_eq!(order(&events), [(0, 0, vec![]), (1, 0, vec![]), (2, 0, vec![])]);
     let start = SimTime::from_seconds(3.0);
     // A plan of this decision has arrived already; the order of the agents must not matter.
-    fleet[0].on_plan(AgentId(2), &plan(2, Step(6), 0)).unwrap();
+    fleet[0].on_plan(SimTime(0), AgentId(2), &plan(2, Step(6), 0)).unwrap();
     fleet[0].on_instant(start);
     let pass = fleet[0].ready().unwrap();
     assert_eq!(pass.neighbours, [AgentId(1), AgentId(2)]);
@@ -251,17 +251,17 @@ fn a_late_plan_only_updates_what_is_known() {
     assert!(last.ready().is_some(), "given up on, so not waited for");
     // The plan of decision 0 arrives in decision 6: its sender is alive, so the agent waits for it
     // again.
-    last.on_plan(AgentId(0), &plan(0, Step(0), 0)).unwrap();
+    last.on_plan(SimTime(0), AgentId(0), &plan(0, Step(0), 0)).unwrap();
     assert_eq!(last.ready(), None);
     last.on_timeout(SimTime::from_seconds(3.4));
     let pass = last.ready().unwrap();
     assert_eq!(pass.poses[0][0], planned(0, Step(0), 0)[1], "its second block is the current one");
     // Newer, older and repeated plans: the newest one counts.
-    last.on_plan(AgentId(0), &plan(0, Step(6), 0)).unwrap();
-    last.on_plan(AgentId(0), &plan(0, Step(0), 0)).unwrap();
+    last.on_plan(SimTime(0), AgentId(0), &plan(0, Step(6), 0)).unwrap();
+    last.on_plan(SimTime(0), AgentId(0), &plan(0, Step(0), 0)).unwrap();
     assert_eq!(last.ready().unwrap().poses[0], planned(0, Step(6), 0));
     // An early plan is for the next decision and is not used before.
-    last.on_plan(AgentId(0), &plan(0, Step(12), 0)).unwrap();
+    last.on_plan(SimTime(0), AgentId(0), &plan(0, Step(12), 0)).unwrap();
     assert_eq!(last.ready().unwrap().poses[0], planned(0, Step(6), 0));
     last.on_own_plan(&plan(1, Step(6), 0));
     last.on_instant(SimTime::from_seconds(6.0));
@@ -283,10 +283,10 @@ fn impossible_plans_are_refused() {
         (0, Plan { poses: vec![good.poses[0]; 256], ..good.clone() }),
     ];
     for (from, plan) in refused {
-        assert!(scheduler.on_plan(AgentId(from), &plan).is_err(), "{from} {plan:?}");
+        assert!(scheduler.on_plan(SimTime(0), AgentId(from), &plan).is_err(), "{from} {plan:?}");
         assert_eq!(scheduler.ready(), None);
     }
-    scheduler.on_plan(AgentId(0), &good).unwrap();
+    scheduler.on_plan(SimTime(0), AgentId(0), &good).unwrap();
     assert!(scheduler.ready().is_some());
 }
 
@@ -297,4 +297,60 @@ fn a_lone_uav_plans_once() {
     assert!(!fleet[0].decides_at(Step(5)));
     let (events, commanded) = run(&mut fleet, &[0], SimTime(0), 0.01);
     assert_eq!((order(&events), commanded), (vec![(0, 0, vec![])], vec![0]));
+}
+
+/// A far-sighted agent calls a UAV silent after two decisions without a plan, also from its own start on.
+#[test]
+fn who_does_not_plan_is_silent_after_two_decisions() {
+    let mut config = config(1, 3, Schedule::SequentialLoopback);
+    config.guidance.criterion = Criterion::Str4;
+    config.guidance.plan_timeout_s = 0.0;
+    for first in [0, 10] {
+        let mut scheduler = Scheduler::new(&config);
+        let block = scheduler.steps_per_block;
+        let mut decide = |decision: u32, heard: &[u16]| {
+            let step = Step((first + decision) * block);
+            let now = SimTime(0).after(f64::from(step.0) * config.period_s);
+            scheduler.on_frame(now, step);
+            for id in heard {
+                scheduler.on_plan(SimTime(0), AgentId(*id), &plan(*id, step, 0)).unwrap();
+            }
+            scheduler.on_timeout(now);
+            let pass = scheduler.ready().expect("nothing to wait for");
+            scheduler.on_own_plan(&plan(1, step, 0));
+            pass.silent.into_iter().map(|id| id.0).collect::<Vec<u16>>()
+        };
+        assert_eq!(decide(0, &[]), [0; 0], "it has just started");
+        assert_eq!(decide(1, &[2]), [0; 0]);
+        assert_eq!(decide(2, &[]), [0], "only 2 was heard");
+        assert_eq!(decide(3, &[0]), [0; 0]);
+        assert_eq!(decide(4, &[]), [2]);
+        assert_eq!(decide(5, &[]), [2], "0 was heard two decisions ago");
+        assert_eq!(decide(6, &[]), [0, 2]);
+    }
+}
+
+/// One decision after the other with a delay: a UAV accounts for one that plans after it only if that one could take
+/// the new plan into account.
+#[test]
+fn of_two_with_a_slow_link_the_later_gives_way() {
+    for (delay_s, heard) in [(0.3, vec![1]), (1.0, vec![])] {
+        for (own, other, expected) in [(0, 1, heard), (1, 0, vec![0])] {
+            let mut config = config(own, 2, Schedule::SequentialLoopback);
+            config.guidance.criterion = Criterion::Str4;
+            let mut scheduler = Scheduler::new(&config);
+            for decision in 0..3 {
+                let step = Step(decision * scheduler.steps_per_block);
+                let start = SimTime(0).after(f64::from(step.0) * config.period_s);
+                scheduler.on_frame(start, step);
+                scheduler.on_timeout(start.after(0.4));
+                let pass = scheduler.ready().expect("nothing to wait for");
+                let known: Vec<u16> = pass.neighbours.iter().map(|id| id.0).collect();
+                assert_eq!(known, if decision == 0 { vec![] } else { expected.clone() });
+                scheduler.on_own_plan(&plan(own, step, 0));
+                let arrives = start.after(delay_s);
+                scheduler.on_plan(arrives, AgentId(other), &plan(other, step, 0)).unwrap();
+            }
+        }
+    }
 }

@@ -60,6 +60,7 @@ impl Scene {
             wanted: &self.wanted,
             margin: &self.margin,
             hidden_now: &self.hidden_now,
+            silent: &[],
             neighbours_hidden_now: &[],
             hidden_recent: &self.hidden_recent,
             oem: &self.oem,

@@ -244,6 +244,13 @@ fn impossible_values_are_explained() {
         ("guidance.str4.beam=0", "0", "a whole number from 1 to 1024"),
         ("guidance.str4.first_look=1001", "1001", "a whole number from 0 to 1000"),
         ("guidance.str4.first_look=-1", "-1", "a whole number from 0 to 1000"),
+        (
+            "guidance.objective=fleet",
+            "fleet",
+            "\"own\", as guidance.criterion is neither \"str4\" nor \"str5\"",
+        ),
+        ("guidance.str4.silent=1.1", "1.1", "a share from 0 to 1"),
+        ("guidance.str4.silent=nan", "NaN", "a share from 0 to 1"),
         ("guidance.str5.reach=0", "0", "a share above 0 and up to 1"),
         ("guidance.str5.reach=1.5", "1.5", "a share above 0 and up to 1"),
         ("guidance.str5.apart=-0.1", "-0.1", "a share from 0 to 1"),

@@ -15,7 +15,7 @@ mod targets;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-use csat_agent::config::{EstimatorConfig, GuidanceConfig, Str5Config};
+use csat_agent::config::{EstimatorConfig, GuidanceConfig, Objective, Str5Config};
 use csat_agent::guidance::airspace::turning_room_m;
 use csat_proto::model::VehicleKind;
 
@@ -159,6 +159,11 @@ impl Check {
     fn not_negative(&mut self, key: &'static str, value: f64) {
         let holds = value >= 0.0 && value.is_finite();
         self.that(holds, &[key], &value.to_string(), "a finite number from 0 on");
+    }
+
+    fn share(&mut self, key: &'static str, value: f64) {
+        let holds = (0.0..=1.0).contains(&value);
+        self.that(holds, &[key], &value.to_string(), "a share from 0 to 1");
     }
 
     /// A time from 0 on.
@@ -309,6 +314,13 @@ fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>)
     check.whole("guidance.str4.n_mpc", guidance.str4.n_mpc);
     check.whole("guidance.str4.beam", guidance.str4.beam);
     check.whole("guidance.str4.first_look", guidance.str4.first_look);
+    check.that(
+        guidance.objective == Objective::Own || guidance.criterion.is_far_sighted(),
+        &["guidance.objective", "guidance.criterion"],
+        "fleet",
+        "\"own\", as guidance.criterion is neither \"str4\" nor \"str5\"",
+    );
+    check.share("guidance.str4.silent", guidance.str4.silent);
     let Str5Config { reach, apart } = guidance.str5;
     let is_share = reach > 0.0 && reach <= 1.0;
     check.that(
@@ -317,8 +329,7 @@ fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>)
         &reach.to_string(),
         "a share above 0 and up to 1",
     );
-    let is_share = (0.0..=1.0).contains(&apart);
-    check.that(is_share, &["guidance.str5.apart"], &apart.to_string(), "a share from 0 to 1");
+    check.share("guidance.str5.apart", apart);
     let increments = &guidance.increments_deg;
     let valid = increments.iter().all(|u| u.abs() <= 180.0);
     let got = if increments.is_empty() { "empty".to_owned() } else { format!("{increments:?}") };
