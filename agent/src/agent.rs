@@ -101,7 +101,7 @@ impl SetMembershipAgent {
     pub fn with_cache(config: &AgentConfig, cache: Arc<SharedCache>) -> Self {
         Self {
             sensor: Sensor::new(config),
-            estimator: Estimator::new(config),
+            estimator: Estimator::with_memo(config, cache.memo()),
             planner: Planner::new(config),
             airspace: Airspace::new(config),
             scheduler: Scheduler::new(config),

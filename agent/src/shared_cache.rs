@@ -20,17 +20,25 @@ use crate::estimate::state::Knowledge;
 use crate::exchange::receiver::CheckedMessage;
 use crate::exchange::validate::Rejection;
 use crate::identity::Identity;
+use crate::region::Memo;
 use crate::settled::SettledKnowledge;
 
 /// What the agents of a process share.
 #[derive(Debug, Default)]
 pub struct SharedCache {
-    messages: Memo<Result<Arc<CheckedMessage>, Rejection>>,
+    messages: ByStep<Result<Arc<CheckedMessage>, Rejection>>,
     /// Kept alive by the agents that hold this knowledge.
-    updates: Memo<(Weak<SettledKnowledge>, Changes)>,
+    updates: ByStep<(Weak<SettledKnowledge>, Changes)>,
+    /// Of agents that know the same of a place, though not of all places.
+    operations: Arc<Memo>,
 }
 
 impl SharedCache {
+    /// Results of operations on sets.
+    pub(crate) fn memo(&self) -> Arc<Memo> {
+        Arc::clone(&self.operations)
+    }
+
     /// The message of this identity, as `check` decodes it at the receiver's step `now`.
     ///
     /// # Errors
@@ -72,9 +80,9 @@ impl SharedCache {
 type Entries<V> = BTreeMap<(Step, Identity), Arc<OnceLock<V>>>;
 
 /// Results by key, each computed once, of the last two steps.
-struct Memo<V>(Mutex<Entries<V>>);
+struct ByStep<V>(Mutex<Entries<V>>);
 
-impl<V> Memo<V> {
+impl<V> ByStep<V> {
     fn at(&self, now: Step, identity: Identity) -> Arc<OnceLock<V>> {
         let mut entries = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let newest = entries.last_key_value().map_or(Step(0), |((step, _), _)| *step);
@@ -85,15 +93,15 @@ impl<V> Memo<V> {
     }
 }
 
-impl<V> Default for Memo<V> {
+impl<V> Default for ByStep<V> {
     fn default() -> Self {
         Self(Mutex::new(BTreeMap::new()))
     }
 }
 
-impl<V> fmt::Debug for Memo<V> {
+impl<V> fmt::Debug for ByStep<V> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Memo").finish_non_exhaustive()
+        f.debug_struct("ByStep").finish_non_exhaustive()
     }
 }
 
@@ -103,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_result_is_computed_once_and_dropped_two_steps_later() {
-        let memo = Memo::<u32>::default();
+        let memo = ByStep::<u32>::default();
         let id = Identity::of(b"key");
         assert_eq!(*memo.at(Step(5), id).get_or_init(|| 1), 1);
         assert_eq!(*memo.at(Step(5), id).get_or_init(|| 2), 1);

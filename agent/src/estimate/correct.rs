@@ -8,22 +8,25 @@ use super::evidence::Evidence;
 use super::predict::Predicted;
 use super::sets::Sets;
 use crate::mutant::{Mutant, is_on};
-use crate::region::{Inner, Outer};
+use crate::region::{Inner, Memo, Outer};
 use crate::sense::MeasuredTarget;
 
 /// Corrects predicted sets.
 ///
 /// All detections are intersected with the predicted sets before any exclusion is applied: a
 /// detection must not be intersected with an X̄ from which its own exclusion was taken already.
-pub(super) fn correct(sets: &mut Sets, predicted: &Predicted, evidence: &[Evidence]) {
-    sets.learn_margin(evidence.iter().map(|e| &e.obstacle_margin)); // (4.28)
+pub(super) fn correct(
+    sets: &mut Sets,
+    predicted: &Predicted,
+    evidence: &[Evidence],
+    memo: &Memo,
+) {
+    sets.learn_margin(evidence.iter().map(|e| &e.obstacle_margin), memo); // (4.28)
     let margin = &sets.margin;
     let seen = || evidence.iter().flat_map(|e| &e.targets);
     let disproved = |target: Option<TargetId>| {
         let exclusions = seen().filter(move |s| applies_to(s, target)).map(|s| &s.exclusion);
-        // X° was simplified as it grew. The parts are applied unsimplified as well, so that their
-        // order does not matter.
-        let parts = evidence.iter().flat_map(|e| [&e.clear_ground, &e.obstacle_margin]);
+        let parts = evidence.iter().map(|e| &e.clear_ground);
         parts.chain([margin]).chain(exclusions).collect::<Vec<&Inner>>()
     };
     let mut known: BTreeSet<TargetId> =

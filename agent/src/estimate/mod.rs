@@ -26,12 +26,15 @@ pub mod predict;
 pub mod sets;
 pub mod state;
 
+use std::sync::Arc;
+
 use csat_proto::ids::{AgentId, TargetId};
 use csat_proto::message::Known;
 use csat_proto::time::Step;
 use tracing::info_span;
 
 use crate::config::AgentConfig;
+use crate::region::Memo;
 use crate::sense::Measured;
 use believe::Verdict;
 use evidence::{Ager, Evidence, ReceivedFact};
@@ -47,6 +50,7 @@ pub struct Estimator {
     liars: usize,
     ager: Ager,
     predictor: Predictor,
+    memo: Arc<Memo>,
 }
 
 /// What an update changed besides the sets.
@@ -64,11 +68,17 @@ pub struct Changes {
 impl Estimator {
     /// An estimator for the agent of `config`.
     pub fn new(config: &AgentConfig) -> Self {
+        Self::with_memo(config, Arc::default())
+    }
+
+    /// One that looks up what others with the same `memo` computed.
+    pub fn with_memo(config: &AgentConfig, memo: Arc<Memo>) -> Self {
         Self {
             own: config.id,
             liars: config.exchange.liars.into(),
             ager: Ager::new(config),
-            predictor: Predictor::new(config),
+            predictor: Predictor::new(config, Arc::clone(&memo)),
+            memo,
         }
     }
 
@@ -106,12 +116,13 @@ impl Estimator {
     /// The knowledge of other agents is of earlier steps, so it is merged before the prediction.
     fn apply(&self, sets: &mut Sets, news: &News<'_>) {
         if let Some(step) = news.step {
+            self.memo.begin(step);
             self.predictor.catch_up(sets, step);
         }
         info_span!("fuse").in_scope(|| fuse::fuse(sets, news.known(), &self.ager));
         let predicted = info_span!("estimate").in_scope(|| self.predictor.predict(sets, news.step));
         let evidence = info_span!("fuse").in_scope(|| self.evidence(sets, news));
-        info_span!("estimate").in_scope(|| correct::correct(sets, &predicted, &evidence));
+        info_span!("estimate").in_scope(|| correct::correct(sets, &predicted, &evidence, &self.memo));
     }
 
     /// All evidence about the step of the sets, oldest first and by sender.

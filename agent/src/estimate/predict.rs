@@ -1,6 +1,7 @@
 //! Prediction (4.24)-(4.27): the sets of one step at the next step.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use csat_proto::ids::TargetId;
 use csat_proto::time::Step;
@@ -8,7 +9,7 @@ use csat_proto::time::Step;
 use super::sets::Sets;
 use crate::config::AgentConfig;
 use crate::mutant::{Mutant, is_on};
-use crate::region::{Grown, Outer, Reach};
+use crate::region::{Grown, Memo, Outer, Reach};
 
 /// Sets are simplified by at least this before they grow, metres. Where two sets are equal up to
 /// rounding, as those of two agents often are, their intersection has details of that size. The
@@ -34,11 +35,12 @@ pub struct Predictor {
     /// that the result of a merge does not depend on its order.
     max_vertices: usize,
     hidden_steps: u32,
+    memo: Arc<Memo>,
 }
 
 impl Predictor {
-    /// A predictor for targets of `config`'s v_max.
-    pub fn new(config: &AgentConfig) -> Self {
+    /// A predictor for targets of `config`'s v_max, whose sets are resolved with `memo`.
+    pub fn new(config: &AgentConfig, memo: Arc<Memo>) -> Self {
         let guidance = &config.guidance;
         let horizon_s = f64::from(guidance.n_mpc) * guidance.period_s;
         let radius_m = config.targets.v_max_m_s * config.period_s;
@@ -52,6 +54,7 @@ impl Predictor {
             simplify_m: config.estimator.simplify_m.max(SLIVER_M),
             max_vertices: config.estimator.max_vertices as usize,
             hidden_steps: (horizon_s / config.period_s).round() as u32,
+            memo,
         }
     }
 
@@ -92,7 +95,7 @@ impl Predictor {
 
     /// The sets as they are.
     fn still(&self, sets: &Sets) -> Predicted {
-        let still = |set: &Outer| Grown::still(set, sets.ground());
+        let still = |set: &Outer| Grown::still(set, sets.ground(), &self.memo);
         let targets = sets.targets.iter();
         Predicted {
             targets: targets.map(|(&j, set)| (j, still(set))).collect(),
@@ -104,7 +107,7 @@ impl Predictor {
         let ground = sets.ground();
         let grown = |set: &Outer| {
             let set = set.clone().limited(self.max_vertices, ground);
-            Grown::new(&set, self.simplify_m, &self.reach, ground)
+            Grown::new(&set, self.simplify_m, &self.reach, ground, &self.memo)
         };
         let targets = sets.targets.iter();
         Predicted {

@@ -8,7 +8,8 @@ use csat_proto::time::Step;
 use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::config::AgentConfig;
-use crate::region::{Inner, Outer};
+use crate::identity::hash_paths;
+use crate::region::{Inner, Memo, Outer};
 
 /// What is guaranteed at step k: by all evidence of an agent, or by that of one origin.
 ///
@@ -90,11 +91,15 @@ impl Sets {
     }
 
     /// X° ∪= parts (4.28), simplified inward.
-    pub(super) fn learn_margin<'a>(&mut self, parts: impl IntoIterator<Item = &'a Inner>) {
+    pub(super) fn learn_margin<'a>(
+        &mut self,
+        parts: impl IntoIterator<Item = &'a Inner>,
+        memo: &Memo,
+    ) {
         let new: Vec<&Inner> = parts.into_iter().filter(|part| !part.is_empty()).collect();
         if !new.is_empty() {
             let margin = std::mem::take(&mut self.margin);
-            let margin = margin.absorbing(&new, self.simplify_margin_m);
+            let margin = margin.absorbing(&new, self.simplify_margin_m, memo);
             self.margin = margin.limited(self.max_vertices);
         }
     }
@@ -113,14 +118,7 @@ impl Sets {
 
 fn hash_region(hasher: &mut Xxh3Default, region: &Region) {
     for shape in region.shapes() {
-        hasher.update(&(shape.len() as u64).to_le_bytes());
-        for ring in shape {
-            hasher.update(&(ring.len() as u64).to_le_bytes());
-            for p in ring {
-                hasher.update(&p.x.to_le_bytes());
-                hasher.update(&p.y.to_le_bytes());
-            }
-        }
+        hash_paths(hasher, shape);
     }
     hasher.update(&u64::MAX.to_le_bytes());
 }

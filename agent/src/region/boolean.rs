@@ -79,18 +79,24 @@ pub(super) fn shallow_groups<T>(parts: impl IntoIterator<Item = (GridBox, T)>) -
     groups.into_iter().map(|group| group.into_iter().map(|(_, part)| part).collect()).collect()
 }
 
-/// Items whose boxes meet, directly or through others, together.
-pub(super) fn clusters<T>(items: impl IntoIterator<Item = (GridBox, T)>) -> Vec<Vec<T>> {
-    let mut clusters: Vec<(GridBox, Vec<T>)> = Vec::new();
-    for (extent, item) in items {
-        let mut merged = (extent, vec![item]);
-        // A grown box may meet clusters that were passed already.
-        while let Some(index) = clusters.iter().position(|(extent, _)| extent.meets(&merged.0)) {
-            let (extent, items) = clusters.swap_remove(index);
-            merged.0 = merged.0.around_both(&extent);
-            merged.1.extend(items);
+/// Each part with all items and parts that its box meets, directly or through others; items are disjoint, so
+/// that one item does not bring another. Takes those items out of `items`.
+pub(super) fn touched<T>(items: &mut Vec<(GridBox, T)>, parts: Vec<(GridBox, T)>) -> Vec<Vec<T>> {
+    let mut left = parts;
+    let mut clusters = Vec::new();
+    while let Some(part) = left.pop() {
+        let (mut parts, mut taken) = (vec![part], Vec::new());
+        let mut next = 0;
+        while let Some((extent, _)) = parts.get(next) {
+            let extent = *extent;
+            let mut reached = vec![extent];
+            let met = items.extract_if(.., |(item, _)| extent.meets(item));
+            taken.extend(met.inspect(|(item, _)| reached.push(*item)));
+            let meets = |part: &GridBox| reached.iter().any(|extent| extent.meets(part));
+            parts.extend(left.extract_if(.., |(part, _)| meets(part)));
+            next += 1;
         }
-        clusters.push(merged);
+        clusters.push(taken.into_iter().chain(parts).map(|(_, item)| item).collect());
     }
-    clusters.into_iter().map(|(_, items)| items).collect()
+    clusters
 }

@@ -23,7 +23,8 @@ use std::borrow::Cow;
 use csat_proto::region::{GridBox, GridPoint, Region, Ring, Shape};
 
 use super::boolean::shallow_groups;
-use super::{RULE, overlay};
+use super::{Memo, RULE, overlay};
+use crate::identity::Identity;
 
 /// An operation on more edges than this is divided.
 const EDGES: usize = 512;
@@ -56,14 +57,18 @@ impl AsRef<[GridPoint]> for Path<'_> {
 
 /// `set` without the union of `parts`, each as paths that are filled where their winding number is
 /// positive.
-pub(super) fn difference(set: Vec<Path<'_>>, parts: Vec<Vec<Path<'_>>>) -> Region {
-    Operation { rule: RULE::Difference, set, parts }.result()
+pub(super) fn difference(
+    set: Vec<Path<'_>>,
+    parts: Vec<Vec<Path<'_>>>,
+    memo: Option<&Memo>,
+) -> Region {
+    Operation { rule: RULE::Difference, set, parts }.result(memo)
 }
 
 /// The intersection of two sets of rings.
 pub(super) fn intersection(a: &Region, b: &Region) -> Region {
     let [set, other] = [a, b].map(|set| paths(set.rings()));
-    Operation { rule: RULE::Intersect, set, parts: vec![other] }.result()
+    Operation { rule: RULE::Intersect, set, parts: vec![other] }.result(None)
 }
 
 /// Paths along rings.
@@ -81,13 +86,13 @@ struct Operation<'a> {
 }
 
 impl Operation<'_> {
-    fn result(self) -> Region {
+    fn result(self, memo: Option<&Memo>) -> Region {
         let mut shapes = Vec::new();
-        self.resolve(Cell { centre: GridPoint::ZERO, half: [HALF_GRID; 2] }, &mut shapes);
+        self.resolve(Cell { centre: GridPoint::ZERO, half: [HALF_GRID; 2] }, memo, &mut shapes);
         Region::from_shapes(shapes)
     }
 
-    fn resolve(mut self, cell: Cell, shapes: &mut Vec<Shape>) {
+    fn resolve(mut self, cell: Cell, memo: Option<&Memo>, shapes: &mut Vec<Shape>) {
         let Some(extent) = extent(&self.set) else { return };
         for part in &mut self.parts {
             part.retain(|path| path.extent.meets(&extent));
@@ -100,10 +105,13 @@ impl Operation<'_> {
             Some(line) if self.edges() > EDGES => {
                 let [low, high] = self.halves(line);
                 let [low_cell, high_cell] = cell.halves(line);
-                low.resolve(low_cell, shapes);
-                high.resolve(high_cell, shapes);
+                low.resolve(low_cell, memo, shapes);
+                high.resolve(high_cell, memo, shapes);
             }
-            _ => shapes.extend(self.at_once().into_shapes()),
+            _ => shapes.extend(match memo {
+                Some(memo) => memo.result(self.identity(), || self.at_once()),
+                None => self.at_once(),
+            }),
         }
     }
 
@@ -111,12 +119,18 @@ impl Operation<'_> {
         self.set.iter().chain(self.parts.iter().flatten()).map(|path| path.points.len()).sum()
     }
 
-    fn at_once(&self) -> Region {
+    fn identity(&self) -> Identity {
+        let groups = std::iter::once(&self.set).chain(&self.parts);
+        Identity::of_operation([self.rule as u64, 0], groups)
+    }
+
+    fn at_once(&self) -> Vec<Shape> {
         let boxes = self.parts.iter().filter_map(|part| Some((extent(part)?, part)));
         let mut layers = shallow_groups(boxes).into_iter().map(|layer| layer.into_iter().flatten());
         let first = layers.next().into_iter().flatten();
         let start = overlay(&self.set, first, self.rule);
-        layers.fold(start, |set, layer| overlay(set.rings(), layer, self.rule))
+        let result = layers.fold(start, |set, layer| overlay(set.rings(), layer, self.rule));
+        result.into_shapes()
     }
 
     fn halves(self, line: Line) -> [Self; 2] {

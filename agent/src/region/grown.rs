@@ -1,13 +1,15 @@
 //! Dilated outer approximations that are resolved together with the sets subtracted from them:
 //! prediction and correction in one Boolean operation.
 
+use std::sync::Arc;
+
 use csat_proto::region::{GridBox, GridPoint, MAX_COORDINATE_M, Region, Ring, Shape, to_units};
 
 use super::cells::{difference, paths};
 use super::relaxed::is_box_around;
 use super::simplify::{Approximation, simplified_rings};
 use super::sweep::dilated_path;
-use super::{Inner, Outer, Reach};
+use super::{Inner, Memo, Outer, Reach};
 
 /// A dilated outer set whose raw paths are not resolved yet: X_{k|k-1} (4.24)-(4.26).
 ///
@@ -21,19 +23,27 @@ use super::{Inner, Outer, Reach};
 pub struct Grown {
     paths: Vec<Ring>,
     bounds: Region,
+    memo: Arc<Memo>,
 }
 
 impl Grown {
     /// `set` as it is, within `bounds`.
-    pub fn still(set: &Outer, bounds: &Region) -> Self {
-        Self { paths: set.region().rings().cloned().collect(), bounds: bounds.clone() }
+    pub fn still(set: &Outer, bounds: &Region, memo: &Arc<Memo>) -> Self {
+        let paths = set.region().rings().cloned().collect();
+        Self { paths, bounds: bounds.clone(), memo: Arc::clone(memo) }
     }
 
     /// A superset of (`set` ⊕ `reach`) ∩ `bounds`, after a simplification by at most `tolerance_m`. A
     /// long reach is swept in stages, of which the last one is not resolved yet.
-    pub fn new(set: &Outer, tolerance_m: f64, reach: &Reach, bounds: &Region) -> Self {
+    pub fn new(
+        set: &Outer,
+        tolerance_m: f64,
+        reach: &Reach,
+        bounds: &Region,
+        memo: &Arc<Memo>,
+    ) -> Self {
         let Some((set, last)) = set.before_last_stage(reach) else {
-            return Self::still(&Outer::containing(bounds.clone()), bounds);
+            return Self::still(&Outer::containing(bounds.clone()), bounds, memo);
         };
         let tolerance_m =
             if reach.is_short() { tolerance_m } else { tolerance_m.max(last.tolerance_m) };
@@ -43,7 +53,7 @@ impl Grown {
         };
         let rings = set.region().shapes().iter().flat_map(simplified);
         let paths = rings.map(|ring| dilated_path(&ring, &last.disc)).collect();
-        Self { paths, bounds: bounds.clone() }
+        Self { paths, bounds: bounds.clone(), memo: Arc::clone(memo) }
     }
 
     /// The set itself.
@@ -59,7 +69,7 @@ impl Grown {
         };
         let parts = parts.into_iter().map(|part| paths(part.region().rings()));
         let parts = std::iter::once(paths(&outside)).chain(parts).collect();
-        Outer::containing(difference(paths(&self.paths), parts))
+        Outer::containing(difference(paths(&self.paths), parts, Some(&self.memo)))
     }
 }
 

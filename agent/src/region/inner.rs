@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use csat_proto::region::{GridBox, Region, Ring, Shape};
 
-use super::boolean::{clusters, shallow_groups};
+use super::boolean::{shallow_groups, touched};
 use super::simplify::{Approximation, simplify_region, simplify_shapes};
 use super::sweep::eroded_path;
-use super::{Disc, RULE, filled, overlay};
+use super::{Disc, Memo, RULE, filled, overlay};
+use crate::identity::Identity;
 
 /// An inner approximation: a set that is contained in the set it approximates, up to rounding, which
 /// the margins of its parts outweigh.
@@ -52,27 +53,28 @@ impl Inner {
         })
     }
 
-    /// self ∪ `parts`, simplified by at most `tolerance_m` where parts were added. Shapes whose boxes
-    /// meet, directly or through others, are united; clusters of them without a part stay as they are.
-    pub fn absorbing(self, parts: &[&Inner], tolerance_m: f64) -> Inner {
+    /// self ∪ `parts`, simplified by at most `tolerance_m` where parts were added. A shape whose box meets
+    /// no part stays as it is.
+    pub fn absorbing(self, parts: &[&Inner], tolerance_m: f64, memo: &Memo) -> Inner {
         let own = self.0.into_shapes().into_iter().map(|shape| (0, shape));
         let added = (1..).zip(parts).flat_map(|(source, part)| {
             part.0.shapes().iter().map(move |shape| (source, shape.clone()))
         });
         let with_box = |item: (usize, Shape)| Some((GridBox::around(&item.1[0])?, item));
-        let mut sum: Vec<Shape> = Vec::new();
-        for cluster in clusters(own.chain(added).filter_map(with_box)) {
+        let mut own: Vec<_> = own.filter_map(with_box).collect();
+        let clusters = touched(&mut own, added.filter_map(with_box).collect());
+        let mut sum: Vec<Shape> = own.into_iter().map(|(_, (_, shape))| shape).collect();
+        for cluster in clusters {
             let mut sets: BTreeMap<usize, Vec<Shape>> = BTreeMap::new();
             for (source, shape) in cluster {
                 sets.entry(source).or_default().push(shape);
             }
-            if sets.keys().eq([&0]) {
-                sum.extend(sets.into_values().flatten());
-                continue;
-            }
             let sets: Vec<Inner> =
                 sets.into_values().map(|shapes| Inner(Region::from_shapes(shapes))).collect();
-            sum.extend(Inner::union(&sets).simplified(tolerance_m).into_region().into_shapes());
+            let rings = sets.iter().map(|set| set.0.rings().collect::<Vec<_>>());
+            let key = Identity::of_operation([RULE::Union as u64, tolerance_m.to_bits()], rings);
+            let united = || Inner::union(&sets).simplified(tolerance_m).into_region().into_shapes();
+            sum.extend(memo.result(key, united));
         }
         Inner(Region::from_shapes(sum))
     }

@@ -64,7 +64,7 @@ impl Outer {
             return self.clone();
         }
         let parts = parts.into_iter().map(|part| paths(part.into_iter().flatten())).collect();
-        Outer(cells::difference(paths(self.0.rings()), parts))
+        Outer(cells::difference(paths(self.0.rings()), parts, None))
     }
 
     /// (self ⊕ disc) ∩ bounds.
