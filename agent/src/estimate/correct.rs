@@ -15,12 +15,7 @@ use crate::sense::MeasuredTarget;
 ///
 /// All detections are intersected with the predicted sets before any exclusion is applied: a
 /// detection must not be intersected with an X̄ from which its own exclusion was taken already.
-pub(super) fn correct(
-    sets: &mut Sets,
-    predicted: &Predicted,
-    evidence: &[Evidence],
-    memo: &Memo,
-) {
+pub(super) fn correct(sets: &mut Sets, predicted: &Predicted, evidence: &[Evidence], memo: &Memo) {
     sets.learn_margin(evidence.iter().map(|e| &e.obstacle_margin), memo); // (4.28)
     let margin = &sets.margin;
     let seen = || evidence.iter().flat_map(|e| &e.targets);

@@ -16,14 +16,19 @@ use csat_proto::region::{Region, Shape};
 use super::evidence::{Ager, Evidence};
 use super::sets::Sets;
 use crate::mutant::{Mutant, is_on};
-use crate::region::{Inner, Outer};
+use crate::region::{Inner, Memo, Outer};
 
 /// Merges the outer approximations of other agents, each of its own step, into the sets.
-pub(super) fn fuse<'a>(sets: &mut Sets, known: impl Iterator<Item = &'a Known>, ager: &Ager) {
+pub(super) fn fuse<'a>(
+    sets: &mut Sets,
+    known: impl Iterator<Item = &'a Known>,
+    ager: &Ager,
+    memo: &Memo,
+) {
     let mut known = known.peekable();
     if known.peek().is_some() {
         let before = sets.clone();
-        known.for_each(|known| merge(sets, &before, known, ager));
+        known.for_each(|known| merge(sets, &before, known, ager, memo));
     }
 }
 
@@ -31,7 +36,7 @@ pub(super) fn fuse<'a>(sets: &mut Sets, known: impl Iterator<Item = &'a Known>, 
 ///
 /// X̄ of the other agent is used only together with its L and X_j: its X̄ need not contain a target
 /// that it has identified.
-fn merge(sets: &mut Sets, before: &Sets, known: &Known, ager: &Ager) {
+fn merge(sets: &mut Sets, before: &Sets, known: &Known, ager: &Ager, memo: &Memo) {
     let reach = match is_on(Mutant::LateSnapshotNotDilated) {
         true => None,
         false => {
@@ -43,7 +48,7 @@ fn merge(sets: &mut Sets, before: &Sets, known: &Known, ager: &Ager) {
         if reach.is_none() && before.region() == their {
             return own.clone();
         }
-        own.intersection(&ager.dilated(their.clone(), reach.as_ref()))
+        own.known_intersection(&ager.dilated(their.clone(), reach.as_ref()), memo)
     };
     let theirs: BTreeMap<TargetId, &Region> = match is_on(Mutant::UnexploredWithoutIdentified) {
         true => BTreeMap::new(),

@@ -119,10 +119,11 @@ impl Estimator {
             self.memo.begin(step);
             self.predictor.catch_up(sets, step);
         }
-        info_span!("fuse").in_scope(|| fuse::fuse(sets, news.known(), &self.ager));
+        info_span!("fuse").in_scope(|| fuse::fuse(sets, news.known(), &self.ager, &self.memo));
         let predicted = info_span!("estimate").in_scope(|| self.predictor.predict(sets, news.step));
         let evidence = info_span!("fuse").in_scope(|| self.evidence(sets, news));
-        info_span!("estimate").in_scope(|| correct::correct(sets, &predicted, &evidence, &self.memo));
+        info_span!("estimate")
+            .in_scope(|| correct::correct(sets, &predicted, &evidence, &self.memo));
     }
 
     /// All evidence about the step of the sets, oldest first and by sender.

@@ -71,10 +71,17 @@ impl Knowledge {
         if step < self.views_from {
             return;
         }
+        // A frame shows little of a large town.
+        let (own, other) = (hidden.rows_in_use(), seen.rows_in_use());
+        let rows = match (own.is_empty(), other.is_empty()) {
+            (true, _) => other,
+            (_, true) => own,
+            _ => own.start.min(other.start)..own.end.max(other.end),
+        };
         match self.recent_views.iter_mut().find(|view| view.step == step) {
             Some(view) => {
-                view.hidden.union_with(hidden);
-                view.seen.union_with(seen);
+                view.hidden.union_rows(hidden, rows.clone());
+                view.seen.union_rows(seen, rows.clone());
             }
             None => {
                 let view = FleetView { step, hidden: hidden.clone(), seen: seen.clone() };
@@ -83,15 +90,15 @@ impl Knowledge {
         }
         let mut newly_hidden = hidden.clone();
         for later in self.recent_views.iter().filter(|view| view.step >= step) {
-            newly_hidden.subtract(&later.seen);
+            newly_hidden.subtract_rows(&later.seen, rows.clone());
         }
         // Ground seen at `step` is no longer hidden, except where a later view hid it again.
         let mut newly_seen = seen.clone();
         for later in self.recent_views.iter().filter(|view| view.step > step) {
-            newly_seen.subtract(&later.hidden);
+            newly_seen.subtract_rows(&later.hidden, rows.clone());
         }
-        self.hidden.subtract(&newly_seen);
-        self.hidden.union_with(&newly_hidden);
+        self.hidden.subtract_rows(&newly_seen, rows.clone());
+        self.hidden.union_rows(&newly_hidden, rows);
     }
 
     /// Drops views before `oldest`.

@@ -66,9 +66,9 @@ pub(super) fn difference(
 }
 
 /// The intersection of two sets of rings.
-pub(super) fn intersection(a: &Region, b: &Region) -> Region {
+pub(super) fn intersection(a: &Region, b: &Region, memo: Option<&Memo>) -> Region {
     let [set, other] = [a, b].map(|set| paths(set.rings()));
-    Operation { rule: RULE::Intersect, set, parts: vec![other] }.result(None)
+    Operation { rule: RULE::Intersect, set, parts: vec![other] }.result(memo)
 }
 
 /// Paths along rings.

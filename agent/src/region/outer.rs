@@ -5,7 +5,7 @@ use csat_proto::region::{GridBox, MAX_COORDINATE_M, Region, Ring, Shape, to_unit
 use super::cells::{self, paths};
 use super::simplify::{Approximation, simplify_region, simplify_shapes};
 use super::sweep::dilated_path;
-use super::{Disc, Inner, RULE, overlay};
+use super::{Disc, Inner, Memo, RULE, overlay};
 
 /// An outer approximation: a set that contains the set it approximates; rounding may only make it
 /// larger.
@@ -52,7 +52,12 @@ impl Outer {
 
     /// self ∩ other.
     pub fn intersection(&self, other: &Outer) -> Outer {
-        Outer(cells::intersection(&self.0, &other.0))
+        Outer(cells::intersection(&self.0, &other.0, None))
+    }
+
+    /// self ∩ other, looked up in `memo` where others computed it.
+    pub fn known_intersection(&self, other: &Outer, memo: &Memo) -> Outer {
+        Outer(cells::intersection(&self.0, &other.0, Some(memo)))
     }
 
     /// self minus the union of `parts`; self, bit for bit, if no part is near.
