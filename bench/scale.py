@@ -1,7 +1,7 @@
-"""How the cost of a mission grows: with the fleet (at constant density, with and without a range
-limit), the image, the vertices of the sets and the obstacles. Prints Markdown and draws the curves.
+"""How the cost of a mission grows: with the fleet (at constant density, with and without range
+limits), the image, the vertices of the sets and the obstacles. Prints Markdown and draws the curves.
 
-Usage: python3 bench/scale.py [--write] [--seconds S]      (needs matplotlib; about 15 minutes, quiet)
+Usage: python3 bench/scale.py [--write] [--seconds S]      (needs matplotlib; about 20 minutes, quiet)
 
 --write puts the tables into docs/scale.md and the curves into docs/img/scale-*.svg.
 The program is target/release/csat, or $CSAT. Every mission is of its own process, one after the other,
@@ -28,7 +28,7 @@ CSAT = os.environ.get("CSAT", ROOT / os.environ.get("CARGO_TARGET_DIR", "target"
 STAGES = ["render", "sense", "estimate", "fuse", "guidance"]
 # UAVs and the side of the town, metres: 16 UAVs per km², as in the paper.
 FLEETS = [(4, 500), (8, 707), (16, 1000), (32, 1414), (64, 2000)]
-RANGE_M = 250
+RANGES_M = ["inf", 500, 250]
 
 
 def fly(seconds, **settings):
@@ -77,9 +77,10 @@ def table(header, rows):
 
 
 def fleet(seconds):
-    """Cost against fleet size, for perfect links and for a range limit."""
+    """Cost against fleet size, for perfect links and for range limits."""
     text, curves = "", []
-    for label, range_m in [("perfect links", "inf"), (f"range {RANGE_M} m", RANGE_M)]:
+    for range_m in RANGES_M:
+        label = "perfect links" if range_m == "inf" else f"range {range_m} m"
         rows, points, memory = [], [], []
         for count, side in FLEETS:
             settings = keyed(agents__count=count, map__size_m=f"[{side},{side}]",

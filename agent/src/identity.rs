@@ -50,8 +50,7 @@ pub(crate) fn hash_paths<P: AsRef<[GridPoint]>>(
         let points = path.as_ref();
         hasher.update(&(points.len() as u64).to_le_bytes());
         for p in points {
-            hasher.update(&p.x.to_le_bytes());
-            hasher.update(&p.y.to_le_bytes());
+            hasher.update([p.x.to_le_bytes(), p.y.to_le_bytes()].as_flattened());
         }
     }
 }

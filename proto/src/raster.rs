@@ -1,7 +1,5 @@
 //! Planar sets as rows of bits. They carry no guarantee: hidden ground, planning, metrics.
 
-use std::ops::Range;
-
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::model::Ground;
@@ -49,12 +47,12 @@ impl Grid {
     }
 
     /// The columns whose centres lie in [west, east), as a half-open range.
-    pub fn columns_between(&self, west: f64, east: f64) -> Range<u32> {
+    pub fn columns_between(&self, west: f64, east: f64) -> std::ops::Range<u32> {
         half_open(west, east, self.origin()[0], self.cell_m, self.columns)
     }
 
     /// The rows whose centres lie in [south, north), as a half-open range.
-    pub fn rows_between(&self, south: f64, north: f64) -> Range<u32> {
+    pub fn rows_between(&self, south: f64, north: f64) -> std::ops::Range<u32> {
         half_open(south, north, self.origin()[1], self.cell_m, self.rows)
     }
 
@@ -69,7 +67,7 @@ impl Grid {
     }
 }
 
-fn half_open(from: f64, to: f64, origin: f64, cell_m: f64, count: u32) -> Range<u32> {
+fn half_open(from: f64, to: f64, origin: f64, cell_m: f64, count: u32) -> std::ops::Range<u32> {
     let first = |x: f64| ((x - origin) / cell_m - 0.5).ceil().clamp(0.0, f64::from(count)) as u32;
     let (start, end) = (first(from), first(to));
     start..end.max(start)
@@ -140,7 +138,7 @@ impl Raster {
     }
 
     /// Puts a run of cells of one row into the set.
-    pub fn set_run(&mut self, row: u32, columns: Range<u32>) {
+    pub fn set_run(&mut self, row: u32, columns: std::ops::Range<u32>) {
         let (mut start, end) = (columns.start as usize, columns.end as usize);
         let words = self.row_mut(row);
         while start < end {
@@ -196,46 +194,24 @@ impl Raster {
         self.words.iter().zip(&other.words).map(|(a, b)| (a & b).count_ones()).sum()
     }
 
-    /// The rows from the first to the last one in which a cell is in the set.
-    pub fn rows_in_use(&self) -> Range<u32> {
-        let row_of = |word: usize| (word / self.words_per_row) as u32;
-        let is_used = |&word: &u64| word != 0;
-        match (self.words.iter().position(is_used), self.words.iter().rposition(is_used)) {
-            (Some(first), Some(last)) => row_of(first)..row_of(last) + 1,
-            _ => 0..0,
-        }
-    }
-
     /// self ∪= other.
     pub fn union_with(&mut self, other: &Raster) {
-        self.union_rows(other, 0..self.grid.rows);
+        self.combine(other, |a, b| a | b);
     }
 
     /// self ∩= other.
     pub fn intersect_with(&mut self, other: &Raster) {
-        self.combine(other, 0..self.grid.rows, |a, b| a & b);
+        self.combine(other, |a, b| a & b);
     }
 
     /// self \= other.
     pub fn subtract(&mut self, other: &Raster) {
-        self.subtract_rows(other, 0..self.grid.rows);
+        self.combine(other, |a, b| a & !b);
     }
 
-    /// self ∪= the cells of `rows` in `other`.
-    pub fn union_rows(&mut self, other: &Raster, rows: Range<u32>) {
-        self.combine(other, rows, |a, b| a | b);
-    }
-
-    /// self \= the cells of `rows` in `other`.
-    pub fn subtract_rows(&mut self, other: &Raster, rows: Range<u32>) {
-        self.combine(other, rows, |a, b| a & !b);
-    }
-
-    fn combine(&mut self, other: &Raster, rows: Range<u32>, op: impl Fn(u64, u64) -> u64) {
+    fn combine(&mut self, other: &Raster, op: impl Fn(u64, u64) -> u64) {
         debug_assert_eq!(self.grid, other.grid, "rasters of one grid");
-        let words =
-            rows.start as usize * self.words_per_row..rows.end as usize * self.words_per_row;
-        for (a, b) in self.words[words.clone()].iter_mut().zip(&other.words[words]) {
+        for (a, b) in self.words.iter_mut().zip(&other.words) {
             *a = op(*a, *b);
         }
     }
@@ -448,20 +424,6 @@ mod tests {
                 "no bits past the last column"
             );
         }
-    }
-
-    #[test]
-    fn rows_are_combined_alone() {
-        assert!(Raster::empty(grid()).rows_in_use().is_empty());
-        let mut other = Raster::empty(grid());
-        [(149, 3), (0, 5), (70, 8)].iter().for_each(|&(column, row)| other.set(column, row));
-        assert_eq!(other.rows_in_use(), 3..9);
-        let mut some = Raster::empty(grid());
-        some.union_rows(&other, 4..8);
-        assert_eq!(some.iter().collect::<Vec<_>>(), [(0, 5)]);
-        let mut rest = other.clone();
-        rest.subtract_rows(&other, 5..9);
-        assert_eq!(rest.iter().collect::<Vec<_>>(), [(149, 3)]);
     }
 
     #[test]

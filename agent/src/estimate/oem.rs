@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use csat_proto::oem::{OemCell, OemDelta};
 use csat_proto::raster::Grid;
 use csat_proto::time::Step;
-use xxhash_rust::xxh3::{Xxh3Default, xxh3_64};
+use xxhash_rust::xxh3::xxh3_64;
 
 use crate::mutant::{Mutant, is_on};
 
@@ -83,14 +83,19 @@ impl Oem {
     /// A hash of each block of [`BLOCK`] x [`BLOCK`] cells, row-major.
     pub fn block_hashes(&self) -> BlockHashes {
         let columns = self.grid.columns as usize;
-        let mut hashers = vec![Xxh3Default::new(); Self::blocks(&self.grid)];
-        for (row, cells) in self.cells.chunks(columns).enumerate() {
-            for (column, part) in cells.chunks(BLOCK).enumerate() {
-                let hasher = &mut hashers[row / BLOCK * self.blocks_per_row() + column];
-                part.iter().for_each(|state| hasher.update(&state.code().to_le_bytes()));
+        let mut hashes = Vec::with_capacity(Self::blocks(&self.grid));
+        let mut codes = Vec::new();
+        for rows in self.cells.chunks(columns * BLOCK) {
+            for start in (0..columns).step_by(BLOCK) {
+                codes.clear();
+                for row in rows.chunks(columns) {
+                    let part = &row[start..columns.min(start + BLOCK)];
+                    codes.extend(part.iter().flat_map(|state| state.code().to_le_bytes()));
+                }
+                hashes.push(xxh3_64(&codes));
             }
         }
-        BlockHashes(hashers.iter().map(Xxh3Default::digest).collect())
+        BlockHashes(hashes)
     }
 
     fn blocks_per_row(&self) -> usize {

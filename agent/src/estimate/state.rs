@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
 
 use csat_proto::ids::AgentId;
 use csat_proto::raster::Raster;
@@ -24,7 +25,7 @@ pub struct Knowledge {
     pub hidden: Raster,
     /// Which agent proves what, where some of them may lie.
     pub(super) origins: Option<Box<Origins>>,
-    recent_views: VecDeque<FleetView>,
+    recent_views: VecDeque<Arc<FleetView>>,
     /// Views of earlier steps are dropped.
     views_from: Step,
 }
@@ -71,34 +72,38 @@ impl Knowledge {
         if step < self.views_from {
             return;
         }
+        let all = 0..hidden.words().len();
+        let is_used = |&word: &usize| hidden.words()[word] | seen.words()[word] != 0;
         // A frame shows little of a large town.
-        let (own, other) = (hidden.rows_in_use(), seen.rows_in_use());
-        let rows = match (own.is_empty(), other.is_empty()) {
-            (true, _) => other,
-            (_, true) => own,
-            _ => own.start.min(other.start)..own.end.max(other.end),
-        };
+        let first = all.clone().find(is_used).unwrap_or(all.end);
+        let used = first..all.rev().find(is_used).map_or(first, |last| last + 1);
         match self.recent_views.iter_mut().find(|view| view.step == step) {
             Some(view) => {
-                view.hidden.union_rows(hidden, rows.clone());
-                view.seen.union_rows(seen, rows.clone());
+                let view = Arc::make_mut(view);
+                for word in used.clone() {
+                    view.hidden.words_mut()[word] |= hidden.words()[word];
+                    view.seen.words_mut()[word] |= seen.words()[word];
+                }
             }
             None => {
                 let view = FleetView { step, hidden: hidden.clone(), seen: seen.clone() };
-                self.recent_views.push_back(view);
+                self.recent_views.push_back(Arc::new(view));
             }
         }
-        let mut newly_hidden = hidden.clone();
-        for later in self.recent_views.iter().filter(|view| view.step >= step) {
-            newly_hidden.subtract_rows(&later.seen, rows.clone());
+        let since: Vec<&FleetView> =
+            self.recent_views.iter().map(Arc::as_ref).filter(|view| view.step >= step).collect();
+        for word in used {
+            let (mut newly_hidden, mut newly_seen) = (hidden.words()[word], seen.words()[word]);
+            for view in &since {
+                newly_hidden &= !view.seen.words()[word];
+                // Ground seen at `step` is no longer hidden, except where a later view hid it again.
+                if view.step > step {
+                    newly_seen &= !view.hidden.words()[word];
+                }
+            }
+            let hidden = &mut self.hidden.words_mut()[word];
+            *hidden = *hidden & !newly_seen | newly_hidden;
         }
-        // Ground seen at `step` is no longer hidden, except where a later view hid it again.
-        let mut newly_seen = seen.clone();
-        for later in self.recent_views.iter().filter(|view| view.step > step) {
-            newly_seen.subtract_rows(&later.hidden, rows.clone());
-        }
-        self.hidden.subtract_rows(&newly_seen, rows.clone());
-        self.hidden.union_rows(&newly_hidden, rows);
     }
 
     /// Drops views before `oldest`.
