@@ -77,7 +77,7 @@ impl Estimator {
             own: config.id,
             liars: config.exchange.liars.into(),
             ager: Ager::new(config),
-            predictor: Predictor::new(config, Arc::clone(&memo)),
+            predictor: Predictor::with_memo(config, Arc::clone(&memo)),
             memo,
         }
     }

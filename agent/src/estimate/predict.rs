@@ -39,8 +39,13 @@ pub struct Predictor {
 }
 
 impl Predictor {
-    /// A predictor for targets of `config`'s v_max, whose sets are resolved with `memo`.
-    pub fn new(config: &AgentConfig, memo: Arc<Memo>) -> Self {
+    /// A predictor for targets of `config`'s v_max.
+    pub fn new(config: &AgentConfig) -> Self {
+        Self::with_memo(config, Arc::default())
+    }
+
+    /// One whose sets look up what others with the same `memo` computed.
+    pub fn with_memo(config: &AgentConfig, memo: Arc<Memo>) -> Self {
         let guidance = &config.guidance;
         let horizon_s = f64::from(guidance.n_mpc) * guidance.period_s;
         let radius_m = config.targets.v_max_m_s * config.period_s;

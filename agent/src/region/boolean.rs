@@ -100,3 +100,35 @@ pub(super) fn touched<T>(items: &mut Vec<(GridBox, T)>, parts: Vec<(GridBox, T)>
     }
     clusters
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Boxes on a line: what meets a part comes along, what meets only that stays.
+    #[test]
+    fn parts_bring_what_they_meet_and_each_other() {
+        let boxed = |name: &'static str, from: i32, to: i32| {
+            let corners = [GridPoint::new(from, 0), GridPoint::new(to, 1)];
+            (GridBox::around(&corners).unwrap(), name)
+        };
+        let mut items = vec![
+            boxed("west", 0, 10),
+            boxed("beside", 8, 20),
+            boxed("east", 100, 110),
+            boxed("far", 200, 210),
+        ];
+        let parts = vec![
+            boxed("p", -5, 3),
+            boxed("q", 105, 120),
+            boxed("r", 118, 130),
+            boxed("s", 90, 101),
+        ];
+        let mut clusters = touched(&mut items, parts);
+        clusters.iter_mut().for_each(|cluster| cluster.sort_unstable());
+        clusters.sort_unstable();
+        assert_eq!(clusters, [vec!["east", "q", "r", "s"], vec!["p", "west"]]);
+        let left: Vec<_> = items.into_iter().map(|(_, name)| name).collect();
+        assert_eq!(left, ["beside", "far"]);
+    }
+}
