@@ -1,7 +1,10 @@
 //! Sets of many edges are resolved in cells, which changes nothing but the edges between the cells.
 
-use csat_agent::region::{Disc, Grown, Inner, Outer, Reach};
+use std::sync::Arc;
+
+use csat_agent::region::{Disc, Grown, Inner, Memo, Outer, Reach};
 use csat_proto::region::{Region, twice_signed_area};
+use csat_proto::time::Step;
 use i_overlay::core::overlay_rule::OverlayRule;
 use rand::RngExt;
 
@@ -55,7 +58,7 @@ fn a_town_is_resolved_in_cells_to_the_same_set() {
         let town = Outer::containing(streets(rng));
         let count = rng.random_range(0..40);
         let parts = parts(rng, count, 5.0..90.0);
-        let grown = Grown::new(&town, 0.0, &Reach::at_once(disc.clone()), &bounds);
+        let grown = Grown::new(&town, 0.0, &Reach::at_once(disc.clone()), &bounds, &Arc::default());
         let expected = plain_difference(town.dilated(&disc, &bounds).region(), &parts);
         let in_cells = grown.minus(&parts);
         assert_same(in_cells.region(), &expected);
@@ -78,11 +81,15 @@ fn steps_in_cells_do_not_add_up_to_a_difference() {
         let buildings = parts(rng, 60, 1.0..25.0);
         let mut in_cells = Outer::containing(bounds.clone());
         let (mut least, mut most) = (bounds.clone(), bounds.clone());
-        for _ in 0..10 {
+        // What is looked up is what would be computed: the memo has seen the steps before.
+        let memo = Arc::<Memo>::default();
+        for step_number in 0..10 {
+            memo.begin(Step(step_number));
             let mut cut = parts(rng, 4, 20.0..90.0);
             cut.extend(buildings.iter().cloned());
-            let grown = Grown::new(&in_cells, 0.0, &Reach::at_once(disc.clone()), &bounds);
+            let grown = Grown::new(&in_cells, 0.0, &Reach::at_once(disc.clone()), &bounds, &memo);
             in_cells = grown.minus(&cut);
+            assert_eq!(grown.minus(&cut), in_cells);
             least = step(least, &cut.iter().map(|part| larger(part, &bounds)).collect::<Vec<_>>());
             most = step(most, &cut.iter().map(smaller).collect::<Vec<_>>());
         }

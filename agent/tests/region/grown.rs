@@ -1,5 +1,7 @@
 //! `Grown` gives the same sets as simplification, dilation and difference one after the other.
 
+use std::sync::Arc;
+
 use csat_agent::region::{Disc, Grown, Inner, Outer, Reach};
 use csat_proto::region::{Region, metres};
 use i_overlay::core::overlay_rule::OverlayRule;
@@ -35,8 +37,14 @@ fn growing_is_simplifying_and_dilating() {
         let disc = Disc::circumscribed(radius_m, vertices);
         let tolerance_m = any_tolerance_m(rng, &region);
         let set = Outer::containing(region);
-        let grown =
-            Grown::new(&set, tolerance_m, &Reach::at_once(disc.clone()), &bounds()).resolved();
+        let grown = Grown::new(
+            &set,
+            tolerance_m,
+            &Reach::at_once(disc.clone()),
+            &bounds(),
+            &Arc::default(),
+        )
+        .resolved();
         let simple = set.clone().simplified(tolerance_m);
         let expected = minkowski_sum(simple.region(), disc.corners());
         assert_same(grown.region(), &overlay(&expected, &bounds(), OverlayRule::Intersect));
@@ -53,8 +61,14 @@ fn growing_and_cutting_at_once_changes_nothing() {
         let parts = parts_about(rng, &region);
         let set = Outer::containing(region);
         for grown in [
-            Grown::new(&set, tolerance_m, &Reach::at_once(disc.clone()), &bounds()),
-            Grown::still(&set, &bounds()),
+            Grown::new(
+                &set,
+                tolerance_m,
+                &Reach::at_once(disc.clone()),
+                &bounds(),
+                &Arc::default(),
+            ),
+            Grown::still(&set, &bounds(), &Arc::default()),
         ] {
             let whole = grown.resolved();
             let at_once = grown.minus(&parts).into_region();
@@ -76,7 +90,9 @@ fn growing_far_contains_the_exact_set_and_little_more() {
         let region = any_region(rng);
         let (radius_m, vertices) = (rng.random_range(1.0..40.0), 2 * rng.random_range(2..=12));
         let set = Outer::containing(region);
-        let grown = Grown::new(&set, 1e-3, &Reach::new(radius_m, vertices), &bounds()).resolved();
+        let grown =
+            Grown::new(&set, 1e-3, &Reach::new(radius_m, vertices), &bounds(), &Arc::default())
+                .resolved();
         let exact = set.dilated(&Disc::circumscribed(radius_m, vertices), &bounds());
         let missing_m2 = excess_m2(exact.region(), grown.region());
         let allowed_m2 = ROUNDING_M * perimeter_m(exact.region()) + 1e-9;
