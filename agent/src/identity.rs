@@ -20,7 +20,7 @@ impl Identity {
         Self(hasher.digest128())
     }
 
-    /// The identity of an operation on paths: its numbers, and groups of paths.
+    /// The identity of an operation on paths: what else decides its result, and groups of paths.
     pub fn of_operation<P: AsRef<[GridPoint]>>(
         numbers: [u64; 2],
         groups: impl IntoIterator<Item = impl IntoIterator<Item = P, IntoIter: ExactSizeIterator>>,

@@ -2,7 +2,8 @@
 //!
 //! Agents that received the same messages hold the same knowledge, to the last bit. Where one process
 //! drives several agents, the first one that needs a result computes it, and the others read it from
-//! the [`SharedCache`]. The driver of the agents owns the cache and hands it to each of them. Every
+//! the [`SharedCache`]. The driver of the agents owns the cache and hands it to each of them. A
+//! cache is for one mission. Every
 //! entry is a function of its key, so no agent behaves differently with a cache. Agents that share a
 //! cache must have the same configuration except for their index and incarnation.
 //!
@@ -29,7 +30,7 @@ pub struct SharedCache {
     messages: ByStep<Result<Arc<CheckedMessage>, Rejection>>,
     /// Kept alive by the agents that hold this knowledge.
     updates: ByStep<(Weak<SettledKnowledge>, Changes)>,
-    /// Of agents that know the same of a place, though not of all places.
+    /// Results of operations on sets, also of agents whose knowledge differs elsewhere.
     operations: Arc<Memo>,
 }
 

@@ -116,7 +116,6 @@ impl Estimator {
     /// The knowledge of other agents is of earlier steps, so it is merged before the prediction.
     fn apply(&self, sets: &mut Sets, news: &News<'_>) {
         if let Some(step) = news.step {
-            self.memo.begin(step);
             self.predictor.catch_up(sets, step);
         }
         info_span!("fuse").in_scope(|| fuse::fuse(sets, news.known(), &self.ager, &self.memo));

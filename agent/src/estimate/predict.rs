@@ -109,6 +109,7 @@ impl Predictor {
     }
 
     fn grown(&self, sets: &Sets) -> Predicted {
+        self.memo.begin(Step(sets.step.0 + 1));
         let ground = sets.ground();
         let grown = |set: &Outer| {
             let set = set.clone().limited(self.max_vertices, ground);

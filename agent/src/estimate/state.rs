@@ -72,15 +72,13 @@ impl Knowledge {
         if step < self.views_from {
             return;
         }
-        let all = 0..hidden.words().len();
-        let is_used = |&word: &usize| hidden.words()[word] | seen.words()[word] != 0;
         // A frame shows little of a large town.
-        let first = all.clone().find(is_used).unwrap_or(all.end);
-        let used = first..all.rev().find(is_used).map_or(first, |last| last + 1);
+        let is_used = |&word: &usize| hidden.words()[word] | seen.words()[word] != 0;
+        let used: Vec<usize> = (0..hidden.words().len()).filter(is_used).collect();
         match self.recent_views.iter_mut().find(|view| view.step == step) {
             Some(view) => {
                 let view = Arc::make_mut(view);
-                for word in used.clone() {
+                for &word in &used {
                     view.hidden.words_mut()[word] |= hidden.words()[word];
                     view.seen.words_mut()[word] |= seen.words()[word];
                 }

@@ -13,6 +13,7 @@ use csat_proto::region::Region;
 use csat_proto::time::{SimTime, Step};
 
 use super::budget::{LEVELS, Shortener, encode, fit, fitting};
+use super::crossing;
 use super::repair::{BLOCKS_PER_FACT, Repair};
 use super::worth::{KnownSets, Offer, Price};
 use crate::config::{AgentConfig, ExchangeConfig, ExchangeMode};
@@ -432,11 +433,16 @@ impl Transmitter {
 
 fn known(knowledge: &Knowledge) -> Known {
     let targets = knowledge.targets.iter().map(|(&j, set)| (j, set.region().clone()));
+    // A shape of X° that grew may reach over its neighbour by a unit, which receivers refuse.
+    let obstacle_margin = match crossing::check(knowledge.margin.region()) {
+        Ok(()) => knowledge.margin.clone(),
+        Err(_) => knowledge.margin.resolved(),
+    };
     Known {
         step: knowledge.step,
         targets: targets.collect(),
         unexplored: knowledge.unexplored.region().clone(),
-        obstacle_margin: knowledge.margin.region().clone(),
+        obstacle_margin: obstacle_margin.into_region(),
     }
 }
 
@@ -452,8 +458,28 @@ fn patch(cells: &BTreeMap<u32, OemCell>) -> OemPatch {
 mod tests {
     use super::*;
     use csat_proto::ids::AgentId;
+    use csat_proto::region::{Ring, grid_point};
 
     use crate::config::tests::default_config;
+    use crate::region::Inner;
+
+    #[test]
+    fn receivers_accept_a_margin_whose_shapes_reach_over_each_other() {
+        let square = |x: f64| -> Ring {
+            let corners = [[x, 0.0], [x + 9.0, 0.0], [x + 9.0, 9.0], [x, 9.0]];
+            corners.map(grid_point).to_vec()
+        };
+        let mut knowledge = Knowledge::at_start(&default_config([500.0; 2]));
+        let mut bent = square(9.0);
+        bent[0].x += 1;
+        bent[3].x -= 1;
+        let shapes = vec![vec![square(0.0)], vec![bent]];
+        knowledge.sets.margin = Inner::within(Region::from_shapes(shapes));
+        assert!(crossing::check(knowledge.margin.region()).is_err());
+        let said = known(&knowledge).obstacle_margin;
+        assert!(crossing::check(&said).is_ok());
+        assert!((said.area_m2() - 2.0 * 81.0).abs() < 1e-3);
+    }
 
     /// Knowledge of a map in which no two neighbouring cells are the same.
     fn chequered(config: &AgentConfig) -> Knowledge {

@@ -79,8 +79,8 @@ pub(super) fn shallow_groups<T>(parts: impl IntoIterator<Item = (GridBox, T)>) -
     groups.into_iter().map(|group| group.into_iter().map(|(_, part)| part).collect()).collect()
 }
 
-/// Each part with all items and parts that its box meets, directly or through others; items are disjoint, so
-/// that one item does not bring another. Takes those items out of `items`.
+/// Each part with all items and parts that its box meets, directly or through others; items are disjoint up
+/// to rounding, so one item does not bring another. Takes those items out of `items`.
 pub(super) fn touched<T>(items: &mut Vec<(GridBox, T)>, parts: Vec<(GridBox, T)>) -> Vec<Vec<T>> {
     let mut left = parts;
     let mut clusters = Vec::new();

@@ -54,7 +54,7 @@ impl Inner {
     }
 
     /// self ∪ `parts`, simplified by at most `tolerance_m` where parts were added. A shape whose box meets
-    /// no part stays as it is.
+    /// no shape of a part stays as it is; one that was added to may reach over it by a unit.
     pub fn absorbing(self, parts: &[&Inner], tolerance_m: f64, memo: &Memo) -> Inner {
         let own = self.0.into_shapes().into_iter().map(|shape| (0, shape));
         let added = (1..).zip(parts).flat_map(|(source, part)| {
@@ -77,6 +77,12 @@ impl Inner {
             sum.extend(memo.result(key, united));
         }
         Inner(Region::from_shapes(sum))
+    }
+
+    /// The same set in shapes that do not cross each other.
+    pub fn resolved(&self) -> Inner {
+        let rings: Vec<Ring> = self.0.rings().cloned().collect();
+        Inner(filled(&rings))
     }
 
     /// self minus the union of counter-clockwise rings.

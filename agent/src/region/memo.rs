@@ -5,7 +5,7 @@
 //! of computed again. A result is a function of its key, so no agent behaves differently with a memo.
 
 use std::collections::BTreeMap;
-use std::mem::take;
+use std::mem::{replace, take};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use csat_proto::region::Shape;
@@ -28,15 +28,18 @@ struct Results {
 }
 
 impl Memo {
-    /// Begins a step, if it is later than the one that was begun last: results that nobody asked for in that
-    /// one are forgotten.
+    /// Begins `step` and forgets what was not asked for since the step before was begun. A step that is not
+    /// later than the last one does nothing.
     pub fn begin(&self, step: Step) {
-        self.with(|results| {
-            if step > results.step {
+        let forgotten = self.with(|results| {
+            (step > results.step).then(|| {
                 results.step = step;
-                results.old = take(&mut results.new);
-            }
+                let old = take(&mut results.new);
+                replace(&mut results.old, old)
+            })
         });
+        // Other threads need not wait for this.
+        drop(forgotten);
     }
 
     /// The result that has this key; `compute` makes it where it is not known.
@@ -51,7 +54,8 @@ impl Memo {
             return shapes.to_vec();
         }
         let shapes = compute();
-        self.with(|results| results.new.insert(key, shapes.as_slice().into()));
+        let kept = Arc::from(shapes.as_slice());
+        self.with(|results| results.new.insert(key, kept));
         shapes
     }
 

@@ -55,8 +55,8 @@ impl Outer {
         Outer(cells::intersection(&self.0, &other.0, None))
     }
 
-    /// self ∩ other, looked up in `memo` where others computed it.
-    pub fn known_intersection(&self, other: &Outer, memo: &Memo) -> Outer {
+    /// self ∩ other, looked up in `memo` where it was computed before.
+    pub fn intersection_by(&self, other: &Outer, memo: &Memo) -> Outer {
         Outer(cells::intersection(&self.0, &other.0, Some(memo)))
     }
 
