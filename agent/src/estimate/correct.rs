@@ -21,7 +21,9 @@ pub(super) fn correct(sets: &mut Sets, predicted: &Predicted, evidence: &[Eviden
     let seen = || evidence.iter().flat_map(|e| &e.targets);
     let disproved = |target: Option<TargetId>| {
         let exclusions = seen().filter(move |s| applies_to(s, target)).map(|s| &s.exclusion);
-        let parts = evidence.iter().map(|e| &e.clear_ground);
+        // X° was simplified as it grew. The parts are applied unsimplified as well, so that their
+        // order does not matter.
+        let parts = evidence.iter().flat_map(|e| [&e.clear_ground, &e.obstacle_margin]);
         parts.chain([margin]).chain(exclusions).collect::<Vec<&Inner>>()
     };
     let mut known: BTreeSet<TargetId> =

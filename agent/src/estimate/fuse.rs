@@ -2,7 +2,7 @@
 //! reorder.
 //!
 //! Intersections and unions are commutative and idempotent, so the order and the repeats of snapshots
-//! do not matter to the sets, except to their last bits and to what is simplified as X° grows. A received set that equals the own set
+//! do not matter to the sets, except to their last bits. A received set that equals the own set
 //! before the merge is skipped. With perfect links a snapshot changes nothing that the facts had not
 //! changed already, so the sender of a snapshot, which does not receive it, has the same bits as the
 //! receivers.
