@@ -2,10 +2,9 @@
 //!
 //! Agents that received the same messages hold the same knowledge, to the last bit. Where one process
 //! drives several agents, the first one that needs a result computes it, and the others read it from
-//! the [`SharedCache`]. The driver of the agents owns the cache and hands it to each of them. A
-//! cache is for one mission. Every
-//! entry is a function of its key, so no agent behaves differently with a cache. Agents that share a
-//! cache must have the same configuration except for their index and incarnation.
+//! the [`SharedCache`]. The driver of the agents owns the cache and hands it to each of them, for one
+//! mission. Every entry is a function of its key, so no agent behaves differently with a cache. Agents
+//! that share a cache must have the same configuration except for their index and incarnation.
 //!
 //! The key of knowledge is its lineage, a hash of all evidence that it was made of, so no sets are
 //! compared.
@@ -112,13 +111,13 @@ mod tests {
 
     #[test]
     fn a_result_is_computed_once_and_dropped_two_steps_later() {
-        let memo = ByStep::<u32>::default();
+        let results = ByStep::<u32>::default();
         let id = Identity::of(b"key");
-        assert_eq!(*memo.at(Step(5), id).get_or_init(|| 1), 1);
-        assert_eq!(*memo.at(Step(5), id).get_or_init(|| 2), 1);
-        assert_eq!(*memo.at(Step(6), id).get_or_init(|| 3), 3, "another step is another key");
-        assert_eq!(*memo.at(Step(5), id).get_or_init(|| 4), 1);
-        memo.at(Step(7), id);
-        assert_eq!(*memo.at(Step(5), id).get_or_init(|| 5), 5);
+        assert_eq!(*results.at(Step(5), id).get_or_init(|| 1), 1);
+        assert_eq!(*results.at(Step(5), id).get_or_init(|| 2), 1);
+        assert_eq!(*results.at(Step(6), id).get_or_init(|| 3), 3, "another step is another key");
+        assert_eq!(*results.at(Step(5), id).get_or_init(|| 4), 1);
+        results.at(Step(7), id);
+        assert_eq!(*results.at(Step(5), id).get_or_init(|| 5), 5);
     }
 }

@@ -99,8 +99,8 @@ impl Knowledge {
                     newly_seen &= !view.hidden.words()[word];
                 }
             }
-            let hidden = &mut self.hidden.words_mut()[word];
-            *hidden = *hidden & !newly_seen | newly_hidden;
+            let known = &mut self.hidden.words_mut()[word];
+            *known = *known & !newly_seen | newly_hidden;
         }
     }
 
