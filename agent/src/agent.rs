@@ -22,7 +22,7 @@ use csat_proto::raster::Raster;
 use csat_proto::time::{SimTime, Step};
 use tracing::info_span;
 
-use crate::config::{AgentConfig, ExchangeMode};
+use crate::config::{AgentConfig, Criterion, ExchangeMode};
 use crate::estimate::evidence::ReceivedFact;
 use crate::estimate::state::Knowledge;
 use crate::estimate::{Changes, Estimator};
@@ -78,8 +78,8 @@ pub struct SetMembershipAgent {
     /// The heading of the last command, which the vehicle flies or turns to.
     commanded_yaw_rad: Option<f64>,
     own_frame: OwnFrame,
-    /// The newest fact of each other UAV, and its position when it sent it, `world`, metres.
-    last_facts: BTreeMap<AgentId, (Arc<Fact>, [f64; 2])>,
+    /// Of each other UAV.
+    last_heard: BTreeMap<AgentId, LastHeard>,
     rejected: BTreeMap<&'static str, u64>,
     /// The reasons that were reported, with the senders of the messages.
     reported: BTreeSet<(&'static str, Option<AgentId>)>,
@@ -88,6 +88,16 @@ pub struct SetMembershipAgent {
     now: SimTime,
     /// Whether a plan of another UAV arrived since the last [`Agent::handle_timeout`].
     plan_arrived: bool,
+}
+
+/// The newest fact that was heard of another UAV.
+#[derive(Debug, Clone)]
+struct LastHeard {
+    step: Step,
+    /// Where the UAV was when it sent it, `world`, metres.
+    at: [f64; 2],
+    /// The fact, where guidance reads its hidden ground: a fact has two rasters.
+    fact: Option<Arc<Fact>>,
 }
 
 impl SetMembershipAgent {
@@ -119,7 +129,7 @@ impl SetMembershipAgent {
             pose_error: PoseError::NONE,
             planned: Vec::new(),
             commanded_yaw_rad: None,
-            last_facts: BTreeMap::new(),
+            last_heard: BTreeMap::new(),
             rejected: BTreeMap::new(),
             reported: BTreeSet::new(),
             commands: VecDeque::new(),
@@ -156,8 +166,7 @@ impl SetMembershipAgent {
             |id: &AgentId| *id != self.config.id && !self.liars().any(|liar| liar == *id);
         let others = (0..self.config.fleet.count).map(AgentId).filter(is_other);
         let now = self.knowledge.step.0;
-        let age =
-            |id| now.saturating_sub(self.last_facts.get(&id).map_or(0, |(fact, _)| fact.step.0));
+        let age = |id| now.saturating_sub(self.last_heard.get(&id).map_or(0, |last| last.step.0));
         let ages: Vec<f64> = others.map(|id| f64::from(age(id)) * self.config.period_s).collect();
         (!ages.is_empty()).then(|| ages.iter().sum::<f64>() / ages.len() as f64)
     }
@@ -198,7 +207,8 @@ impl SetMembershipAgent {
         if self.config.is_station() {
             return Raster::empty(self.config.raster_grid());
         }
-        self.planner.predicted_hidden(&self.knowledge.oem, &self.pose)
+        let Self { planner, knowledge, pose, .. } = self;
+        planner.predicted_hidden(&knowledge.oem, Some(knowledge.view_cache()), pose)
     }
 
     /// When the agent next wants [`Agent::handle_timeout`], and why; `None` if it waits for nothing.
@@ -268,7 +278,7 @@ impl SetMembershipAgent {
     fn ignore(&mut self, liar: AgentId) {
         self.receiver.ignore(liar);
         self.scheduler.forget(liar);
-        self.last_facts.remove(&liar);
+        self.last_heard.remove(&liar);
     }
 
     /// The lineage of the knowledge at the start. Where some agents may lie, what an agent knows
@@ -322,7 +332,7 @@ impl SetMembershipAgent {
     fn fleet(&self) -> Vec<[f64; 2]> {
         let own = [self.pose.p_world[0], self.pose.p_world[1]];
         let own = (!self.config.is_station()).then_some(own);
-        own.into_iter().chain(self.last_facts.values().map(|(_, at)| *at)).collect()
+        own.into_iter().chain(self.last_heard.values().map(|last| last.at)).collect()
     }
 
     /// The agent that sent a message; `None` for an invalid sender, of which there may be any number.
@@ -427,7 +437,7 @@ impl SetMembershipAgent {
         }
         let rasters = self.knowledge.planner_rasters();
         let nothing = Raster::empty(self.config.raster_grid());
-        let hidden_to = |id| self.last_facts.get(id).map(|(fact, _)| &fact.hidden);
+        let hidden_to = |id| self.last_heard.get(id)?.fact.as_ref().map(|fact| &fact.hidden);
         let neighbours_hidden_now: Vec<Option<&Raster>> =
             pass.neighbours.iter().map(hidden_to).collect();
         let input = PlannerInput {
@@ -484,9 +494,12 @@ impl Agent for SetMembershipAgent {
         match self.receive(bytes) {
             Ok(Received::Knowledge { from, p_world, fact }) => {
                 let is_uav = from.0 < self.config.fleet.count;
-                let known = self.last_facts.get(&from);
-                if is_uav && known.is_none_or(|(known, _)| known.step <= fact.step) {
-                    self.last_facts.insert(from, (fact, [p_world[0], p_world[1]]));
+                let known = self.last_heard.get(&from);
+                if is_uav && known.is_none_or(|known| known.step <= fact.step) {
+                    let (step, at) = (fact.step, [p_world[0], p_world[1]]);
+                    let is_read = self.config.guidance.criterion == Criterion::Str2;
+                    let fact = is_read.then_some(fact);
+                    self.last_heard.insert(from, LastHeard { step, at, fact });
                 }
             }
             Ok(Received::Plan { from, incarnation, plan }) => {

@@ -16,6 +16,7 @@
 //! | [`exchange`] | messages to the other agents, and which of their messages are believed |
 //! | [`guidance`] | where to fly next |
 //! | [`identity`] | hashes that identify messages and knowledge |
+//! | [`memo`] | results of functions, by what went in |
 //! | [`mutant`] | known mistakes, to test the tests |
 //! | [`work`] | counts of work, to test its amount |
 //!
@@ -70,6 +71,7 @@ pub mod estimate;
 pub mod exchange;
 pub mod guidance;
 pub mod identity;
+pub mod memo;
 pub mod mutant;
 pub mod region;
 pub mod sense;

@@ -9,9 +9,7 @@
 //! The key of knowledge is its lineage, a hash of all evidence that it was made of, so no sets are
 //! compared.
 
-use std::collections::BTreeMap;
-use std::fmt;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
+use std::sync::{Arc, Weak};
 
 use csat_proto::time::Step;
 
@@ -20,22 +18,23 @@ use crate::estimate::state::Knowledge;
 use crate::exchange::receiver::CheckedMessage;
 use crate::exchange::validate::Rejection;
 use crate::identity::Identity;
-use crate::region::Memo;
+use crate::memo::Memo;
+use crate::region;
 use crate::settled::SettledKnowledge;
 
 /// What the agents of a process share.
 #[derive(Debug, Default)]
 pub struct SharedCache {
-    messages: ByStep<Result<Arc<CheckedMessage>, Rejection>>,
+    messages: Memo<Result<Arc<CheckedMessage>, Rejection>>,
     /// Kept alive by the agents that hold this knowledge.
-    updates: ByStep<(Weak<SettledKnowledge>, Changes)>,
-    /// Results of operations on sets, also of agents whose knowledge differs elsewhere.
-    operations: Arc<Memo>,
+    updates: Memo<(Weak<SettledKnowledge>, Changes)>,
+    /// Also of agents whose knowledge differs elsewhere.
+    operations: Arc<region::Memo>,
 }
 
 impl SharedCache {
     /// Results of operations on sets.
-    pub(crate) fn memo(&self) -> Arc<Memo> {
+    pub(crate) fn memo(&self) -> Arc<region::Memo> {
         Arc::clone(&self.operations)
     }
 
@@ -49,7 +48,8 @@ impl SharedCache {
         identity: Identity,
         check: impl FnOnce() -> Result<CheckedMessage, Rejection>,
     ) -> Result<Arc<CheckedMessage>, Rejection> {
-        self.messages.at(now, identity).get_or_init(|| check().map(Arc::new)).clone()
+        self.messages.begin(now);
+        self.messages.result(at(now, identity), || check().map(Arc::new))
     }
 
     /// The knowledge of this lineage at step `now`, and what `update` changed to make it so.
@@ -64,7 +64,8 @@ impl SharedCache {
             (Arc::new(SettledKnowledge::new(knowledge, lineage)), changes)
         };
         let mut made = None;
-        let cell = self.updates.at(now, lineage);
+        self.updates.begin(now);
+        let cell = self.updates.cell(at(now, lineage));
         let (known, changes) = cell.get_or_init(|| {
             let (settled, changes) = settle();
             (Arc::downgrade(made.insert(settled)), changes)
@@ -77,47 +78,31 @@ impl SharedCache {
     }
 }
 
-type Entries<V> = BTreeMap<(Step, Identity), Arc<OnceLock<V>>>;
-
-/// Results by key, each computed once, of the last two steps.
-struct ByStep<V>(Mutex<Entries<V>>);
-
-impl<V> ByStep<V> {
-    fn at(&self, now: Step, identity: Identity) -> Arc<OnceLock<V>> {
-        let mut entries = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let newest = entries.last_key_value().map_or(Step(0), |((step, _), _)| *step);
-        if newest < now {
-            *entries = entries.split_off(&(Step(now.0.saturating_sub(1)), Identity::default()));
-        }
-        entries.entry((now, identity)).or_default().clone()
-    }
-}
-
-impl<V> Default for ByStep<V> {
-    fn default() -> Self {
-        Self(Mutex::new(BTreeMap::new()))
-    }
-}
-
-impl<V> fmt::Debug for ByStep<V> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("ByStep").finish_non_exhaustive()
-    }
+/// The identity of what is done at a step.
+fn at(now: Step, identity: Identity) -> Identity {
+    Identity::of_all([now.0.into(), identity.bits()])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Whether a message counts depends on the step at which it is heard.
     #[test]
-    fn a_result_is_computed_once_and_dropped_two_steps_later() {
-        let results = ByStep::<u32>::default();
-        let id = Identity::of(b"key");
-        assert_eq!(*results.at(Step(5), id).get_or_init(|| 1), 1);
-        assert_eq!(*results.at(Step(5), id).get_or_init(|| 2), 1);
-        assert_eq!(*results.at(Step(6), id).get_or_init(|| 3), 3, "another step is another key");
-        assert_eq!(*results.at(Step(5), id).get_or_init(|| 4), 1);
-        results.at(Step(7), id);
-        assert_eq!(*results.at(Step(5), id).get_or_init(|| 5), 5);
+    fn a_message_is_checked_once_a_step() {
+        let cache = SharedCache::default();
+        let checks = |step: u32| {
+            let mut checks = 0;
+            let mut check = || {
+                checks += 1;
+                Err(Rejection::Run)
+            };
+            for _ in 0..2 {
+                let found = cache.message(Step(step), Identity::of(b"message"), &mut check);
+                assert!(found.is_err());
+            }
+            checks
+        };
+        assert_eq!([0, 1, 0, 2].map(checks), [1, 1, 0, 1]);
     }
 }

@@ -166,7 +166,7 @@ impl Lab {
     fn look(&mut self) {
         let mut all_hidden = Raster::empty(*self.unexplored.grid());
         for (pose, id) in self.world.poses().into_iter().zip(0..) {
-            let hidden = self.eye.predicted_hidden(&self.truth, &pose);
+            let hidden = self.eye.predicted_hidden(&self.truth, None, &pose);
             all_hidden.union_with(&hidden);
             let seen = self.photographed(AgentId(id)).unwrap_or_else(|| {
                 let mut seen = self.eye.footprint(&pose);

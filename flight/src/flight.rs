@@ -366,8 +366,9 @@ impl<M: Mission, F: Fleet<M>> Flight<M, F> {
     fn outcome(mut self, steps: u32, interrupted: bool) -> Outcome {
         let sim_s = f64::from(steps) * self.period_s;
         self.view.time_s = sim_s;
-        let reports = self.engine.show().into_iter();
-        let drawn = reports.map(|report| report.map(|report| self.mission.picture(&report)));
+        let mission = &self.mission;
+        let draw = |report: Option<M::Report>| report.map(|report| mission.picture(&report));
+        let drawn = self.engine.show().into_par_iter().map(draw);
         self.view.agents = drawn.map(Option::unwrap_or_default).collect();
         // A legend does not explain what no agent has.
         let is_drawn = |style: &&Style| {

@@ -84,7 +84,7 @@ fn resolved(rings: impl Iterator<Item = Vec<GridPoint>>, per_unit: f64) -> Shape
     // Where a corner of one ring lies on a side of another, both have it: as decimal fractions, a corner
     // on a side would be on either side of it.
     let options = IntOverlayOptions { preserve_output_collinear: true, ..IntOverlayOptions::ogc() };
-    let solver = Solver::with_strategy_and_precision(Strategy::Auto, PRECISION);
+    let solver = Solver::with_strategy_and_precision(Strategy::List, PRECISION);
     let mut overlay = Overlay::<i32>::new_custom(1024, options, solver);
     rings.for_each(|ring| overlay.add_contour(&ring, ShapeType::Subject));
     let shapes = overlay.overlay(OverlayRule::Subject, FillRule::Positive);

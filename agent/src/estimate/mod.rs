@@ -10,6 +10,7 @@
 //! | [`predict`] | (4.24)-(4.27) |
 //! | `correct` | (4.28)-(4.33): what frames disprove |
 //! | [`oem`] | the occupancy-elevation map |
+//! | `views` | hidden ground (5.43), (5.44) |
 //! | [`origins`] | which agent claims what, where some may lie |
 //! | `believe` | an update where some may lie |
 //!
@@ -25,6 +26,7 @@ pub mod origins;
 pub mod predict;
 pub mod sets;
 pub mod state;
+mod views;
 
 use std::sync::Arc;
 

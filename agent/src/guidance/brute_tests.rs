@@ -54,7 +54,7 @@ impl BruteVisibility<'_> {
         match self.config.guidance.criterion {
             Criterion::Str2 if own => seen.subtract(&self.scene.hidden_now),
             Criterion::Str3 => {
-                seen.subtract(&self.planner.predicted_hidden(&self.scene.oem, pose));
+                seen.subtract(&self.planner.predicted_hidden(&self.scene.oem, None, pose));
             }
             _ => {}
         }

@@ -68,8 +68,18 @@ pub(super) struct VisibilityModel {
     grid: Grid,
     criterion: Criterion,
     occlusion: Occlusion,
-    occupied: OccupiedCells,
     caster: ShadowCaster,
+}
+
+/// What views depend on besides the pose.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sight<'a> {
+    /// The views that are known.
+    pub(super) views: &'a ViewCache,
+    /// The cells that X^Δ may cover within the horizon.
+    pub(super) grown: &'a Raster,
+    /// The cells of the map that hide ground, if the criterion reads it.
+    pub(super) occupied: Option<&'a OccupiedCells>,
 }
 
 impl VisibilityModel {
@@ -88,7 +98,6 @@ impl VisibilityModel {
                 Criterion::Str2 => Occlusion::Now,
                 Criterion::Str3 | Criterion::Str4 | Criterion::Str5 => Occlusion::Oem,
             },
-            occupied: OccupiedCells::default(),
             caster: ShadowCaster::new(&grid, config.planning_camera().d_max_m),
         }
     }
@@ -103,11 +112,15 @@ impl VisibilityModel {
         self.criterion != Criterion::Str1
     }
 
-    /// Loads the OEM if the criterion reads it.
-    pub(super) fn load(&mut self, oem: &Oem) {
-        if self.occlusion == Occlusion::Oem {
-            self.occupied.load(oem);
-        }
+    /// What the views of `wanted` given `oem` depend on; `grow` is asked for the cells that it may cover.
+    pub(super) fn sight<'a>(
+        &self,
+        views: &'a ViewCache,
+        oem: &Oem,
+        grow: impl FnOnce() -> Raster,
+    ) -> Sight<'a> {
+        let occupied = (self.occlusion == Occlusion::Oem).then(|| views.occupied(oem));
+        Sight { views, grown: views.grown(grow), occupied }
     }
 
     /// F(x^u) ∩ X_g of a pose.
@@ -116,25 +129,29 @@ impl VisibilityModel {
         Footprint::of(&view, &PoseBox::new(&view, pose, &self.pose_error), &self.grid)
     }
 
-    /// F(x^u) ∩ `grown` without what is hidden by the criterion. `grown` is that of `view_cache`,
-    /// whose views are those of the loaded OEM; `hidden_now` is the H^CVS of the UAV that looks, if
-    /// known.
+    /// F(x^u) ∩ `grown` without what is hidden by the criterion; `hidden_now` is the H^CVS of the UAV that
+    /// looks, if known.
     pub(super) fn look(
         &mut self,
         pose: &Pose,
         hidden_now: Option<&Raster>,
-        (view_cache, grown): (&ViewCache, &Raster),
+        sight: &Sight<'_>,
     ) -> Arc<VisibleCells> {
         match self.occlusion {
-            Occlusion::Oem => view_cache.at(pose, || self.view(pose, None, grown)),
-            Occlusion::None | Occlusion::Now => Arc::new(self.view(pose, hidden_now, grown)),
+            Occlusion::Oem => sight.views.at(pose, || self.view(pose, None, sight)),
+            Occlusion::None | Occlusion::Now => Arc::new(self.view(pose, hidden_now, sight)),
         }
     }
 
-    fn view(&mut self, pose: &Pose, hidden_now: Option<&Raster>, grown: &Raster) -> VisibleCells {
+    fn view(
+        &mut self,
+        pose: &Pose,
+        hidden_now: Option<&Raster>,
+        sight: &Sight<'_>,
+    ) -> VisibleCells {
         let footprint = self.footprint(pose);
-        if self.occlusion == Occlusion::Oem {
-            self.caster.cast(&self.occupied, pose.p_world, footprint.corners());
+        if let Some(occupied) = sight.occupied {
+            self.caster.cast(occupied, pose.p_world, footprint.corners());
         }
         let hidden = |row: u32, word: usize, bits: u64| match self.occlusion {
             Occlusion::None => 0,
@@ -142,17 +159,16 @@ impl VisibilityModel {
             Occlusion::Oem => self.caster.hidden_bits(row, word, bits),
         };
         let seen = footprint.words().map(|(row, word, bits)| {
-            let bits = bits & grown.row(row)[word];
+            let bits = bits & sight.grown.row(row)[word];
             (row as i32, word as i32, bits & !hidden(row, word, bits))
         });
         VisibleCells::of(&self.grid, seen)
     }
 
     /// H^OEM(x^u) ∩ F(x^u) ∩ X_g (§4.6.4), for every criterion.
-    pub(super) fn predicted_hidden(&mut self, oem: &Oem, pose: &Pose) -> Raster {
+    pub(super) fn predicted_hidden(&mut self, occupied: &OccupiedCells, pose: &Pose) -> Raster {
         let footprint = self.footprint(pose);
-        self.occupied.load(oem);
-        self.caster.cast(&self.occupied, pose.p_world, footprint.corners());
+        self.caster.cast(occupied, pose.p_world, footprint.corners());
         let mut hidden = Raster::empty(self.grid);
         for (row, word, bits) in footprint.words() {
             hidden.row_mut(row)[word] |= self.caster.hidden_bits(row, word, bits);

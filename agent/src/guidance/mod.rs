@@ -56,7 +56,7 @@ mod viewshed;
 
 use airspace::Ways;
 use beam::Beam;
-use criterion::{VisibilityModel, Weights};
+use criterion::{Sight, VisibilityModel, Weights};
 use rollout::{Level, Surroundings, ViewOverlap};
 use route::Route;
 use search::Search;
@@ -224,11 +224,10 @@ impl Planner {
         pose: &Pose,
         neighbours: &[Vec<Pose>],
     ) -> Decision {
-        self.visibility.load(input.oem);
         let own = ViewCache::default();
-        let view_cache = input.view_cache.unwrap_or(&own);
-        let view_cache = (view_cache, view_cache.grown(|| self.grown(input.wanted)));
-        self.look_for_others(input, view_cache, pose, neighbours);
+        let views = input.view_cache.unwrap_or(&own);
+        let sight = self.visibility.sight(views, input.oem, || self.grown(input.wanted));
+        self.look_for_others(input, &sight, pose, neighbours);
         if let Some(root) = self.levels.first_mut() {
             root.remaining.clone_from(input.wanted);
         }
@@ -245,7 +244,7 @@ impl Planner {
                 hidden_recent: input.hidden_recent,
             },
             input,
-            view_cache,
+            sight,
             later: BlockKind::Later,
             trail: Vec::with_capacity(self.levels.len()),
             best: None,
@@ -268,9 +267,16 @@ impl Planner {
         self.visibility.footprint(pose).raster(self.grid)
     }
 
-    /// H^OEM(x^u) ∩ F(x^u) ∩ X_g (4.42), for the metric of the OEM (5.45); for every criterion.
-    pub fn predicted_hidden(&mut self, oem: &Oem, pose: &Pose) -> Raster {
-        self.visibility.predicted_hidden(oem, pose)
+    /// H^OEM(x^u) ∩ F(x^u) ∩ X_g (4.42), for the metric of the OEM (5.45); for every criterion. `views` are those of
+    /// `oem`, if there are any.
+    pub fn predicted_hidden(
+        &mut self,
+        oem: &Oem,
+        views: Option<&ViewCache>,
+        pose: &Pose,
+    ) -> Raster {
+        let own = ViewCache::default();
+        self.visibility.predicted_hidden(views.unwrap_or(&own).occupied(oem), pose)
     }
 
     /// All cells that X^Δ may cover within the horizon.
@@ -283,7 +289,7 @@ impl Planner {
     fn look_for_others(
         &mut self,
         input: &PlannerInput<'_>,
-        view_cache: (&ViewCache, &Raster),
+        sight: &Sight<'_>,
         own: &Pose,
         neighbours: &[Vec<Pose>],
     ) {
@@ -294,7 +300,7 @@ impl Planner {
             let poses = self.motion.forecast(plan, 0, blocks);
             for (pose, seen) in poses.iter().zip(&mut self.seen_by_others) {
                 if self.overlap.may_see_the_same(own, pose) {
-                    self.visibility.look(pose, hidden_now, view_cache).add_to(seen);
+                    self.visibility.look(pose, hidden_now, sight).add_to(seen);
                 }
             }
         }

@@ -1,12 +1,10 @@
 //! The best sequence of yaw increments: the whole tree U^N_MPC, prefixes shared (thesis §5.3.1).
 
 use csat_proto::camera::Pose;
-use csat_proto::raster::Raster;
 
-use super::criterion::{Terms, VisibilityModel, Weights};
+use super::criterion::{Sight, Terms, VisibilityModel, Weights};
 use super::rollout::{Level, Motion, Surroundings};
 use super::rounded_views::VisibleCells;
-use super::view_cache::ViewCache;
 use super::{BlockKind, PlannerInput};
 
 /// A block of a candidate: its yaw increment, radians, and the pose at its end.
@@ -29,8 +27,7 @@ pub(super) struct Search<'a> {
     pub(super) increments: &'a [f64],
     pub(super) around: Surroundings<'a>,
     pub(super) input: &'a PlannerInput<'a>,
-    /// The cached views of the loaded OEM, and the cells that X^Δ may cover.
-    pub(super) view_cache: (&'a ViewCache, &'a Raster),
+    pub(super) sight: Sight<'a>,
     /// How blocks after the first are chosen.
     pub(super) later: BlockKind,
     /// The choices from the root to the current node.
@@ -49,7 +46,7 @@ impl Search<'_> {
         let block = if self.trail.is_empty() { BlockKind::First } else { self.later };
         for (_, increment_rad) in self.input.choices(self.increments, pose, block) {
             let next = self.motion.advance(pose, increment_rad);
-            let seen = self.visibility.look(&next, Some(self.input.hidden_now), self.view_cache);
+            let seen = self.visibility.look(&next, Some(self.input.hidden_now), &self.sight);
             self.nodes += 1;
             self.trail.push((increment_rad, next));
             match deeper.first_mut() {

@@ -14,7 +14,7 @@ use csat_proto::raster::Grid;
 use crate::estimate::oem::Oem;
 
 /// The Occupied cells of an OEM, row by row.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug)]
 pub(super) struct OccupiedCells {
     cell_m: f64,
     origin: [f64; 2],
@@ -25,27 +25,26 @@ pub(super) struct OccupiedCells {
 }
 
 impl OccupiedCells {
-    /// Replaces the cells by the boxes (4.41) of `oem`.
-    pub(super) fn load(&mut self, oem: &Oem) {
+    /// The boxes (4.41) of `oem`.
+    pub(super) fn of(oem: &Oem) -> Self {
         let grid = oem.grid();
-        (self.cell_m, self.origin) = (grid.cell_m, grid.origin());
-        self.occupied.clear();
-        self.row_starts.clear();
+        let (mut occupied, mut row_starts) = (Vec::new(), Vec::new());
         for (cells, row) in oem.cells().chunks(grid.columns as usize).zip(0..) {
-            self.row_starts.push(self.occupied.len());
+            row_starts.push(occupied.len());
             for (cell, column) in cells.iter().zip(0..) {
                 if let OemCell::Occupied { height_dm } = *cell {
                     let [x, y] = grid.centre(column, row);
-                    self.occupied.push([x, y, f64::from(height_dm) / 10.0]);
+                    occupied.push([x, y, f64::from(height_dm) / 10.0]);
                 }
             }
         }
-        self.row_starts.push(self.occupied.len());
+        row_starts.push(occupied.len());
+        Self { cell_m: grid.cell_m, origin: grid.origin(), occupied, row_starts }
     }
 
     /// The occupied cells of the rows within `reach_m` of `y`.
     fn near_rows(&self, y: f64, reach_m: f64) -> &[[f64; 3]] {
-        let Some(rows) = self.row_starts.len().checked_sub(1) else { return &[] };
+        let rows = self.row_starts.len() - 1;
         let row = |y: f64| ((y - self.origin[1]) / self.cell_m).clamp(0.0, rows as f64);
         let (first, last) = (row(y - reach_m).floor(), row(y + reach_m).ceil());
         &self.occupied[self.row_starts[first as usize]..self.row_starts[last as usize]]

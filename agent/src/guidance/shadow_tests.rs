@@ -100,16 +100,14 @@ fn is_interior(set: &Raster, column: u32, row: u32) -> bool {
 #[test]
 fn shadows_are_the_union_of_the_hulls_of_the_boxes() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
-    let (grid, mut occupied, mut caster) =
-        (grid(2.0), OccupiedCells::default(), ShadowCaster::new(&grid(2.0), 300.0));
+    let (grid, mut caster) = (grid(2.0), ShadowCaster::new(&grid(2.0), 300.0));
     let (mut footprint_cells, mut border_differences) = (0, 0);
     for _ in 0..30 {
         let oem = random_oem(&mut rng, 45.0);
         let eye = [rng.random_range(-260.0..260.0), rng.random_range(-260.0..260.0), 52.0];
         let pose = Pose::level(eye, rng.random_range(-4.0..4.0));
         let footprint = exact(&pose, &grid);
-        occupied.load(&oem);
-        caster.cast(&occupied, eye, footprint.corners());
+        caster.cast(&OccupiedCells::of(&oem), eye, footprint.corners());
         let mut expected = Raster::empty(grid);
         for ring in hulls(&oem, eye) {
             expected.fill_rings(&[ring]);
@@ -156,9 +154,8 @@ fn what_reaches_the_camera_hides_to_the_horizon() {
     occupy(&mut oem, 60, 50, 60.0); // x 50..55, y 0..5
     let (grid, eye) = (grid(2.0), [0.0, 0.0, 52.0]);
     let footprint = exact(&Pose::level(eye, 0.0), &grid);
-    let (mut occupied, mut caster) = (OccupiedCells::default(), ShadowCaster::new(&grid, 300.0));
-    occupied.load(&oem);
-    caster.cast(&occupied, eye, footprint.corners());
+    let mut caster = ShadowCaster::new(&grid, 300.0);
+    caster.cast(&OccupiedCells::of(&oem), eye, footprint.corners());
     for x in [51.0, 61.0, 151.0, 229.0] {
         let (column, row) = grid.cell_of([x, 1.0]).unwrap();
         assert!(hides(&caster, column, row), "{x}");

@@ -247,9 +247,9 @@ fn predicted_hidden_ground_lies_in_the_footprint() {
     let config = left_or_right(Criterion::Str1, 0.0);
     let mut planner = Planner::new(&config);
     let mut scene = Scene::new(&config);
-    assert_eq!(planner.predicted_hidden(&scene.oem, &middle()).count(), 0);
+    assert_eq!(planner.predicted_hidden(&scene.oem, None, &middle()).count(), 0);
     (45..55).for_each(|row| scene.occupy(70, row, 200)); // x 100..105, y -25..25
-    let hidden = planner.predicted_hidden(&scene.oem, &middle());
+    let hidden = planner.predicted_hidden(&scene.oem, None, &middle());
     let mut common = hidden.clone();
     common.intersect_with(&planner.footprint(&middle()));
     assert_eq!(common, hidden);

@@ -12,12 +12,15 @@ use csat_proto::camera::Pose;
 use csat_proto::raster::Raster;
 
 use super::rounded_views::VisibleCells;
+use super::shadow::OccupiedCells;
+use crate::estimate::oem::Oem;
 
 /// The views of one X^Δ given one OEM, for one camera and criterion. The cache changes the time of a
 /// look and no result.
 #[derive(Default)]
 pub struct ViewCache {
     grown: OnceLock<Raster>,
+    occupied: OnceLock<OccupiedCells>,
     known: Mutex<BTreeMap<[u64; 6], Arc<VisibleCells>>>,
 }
 
@@ -25,6 +28,11 @@ impl ViewCache {
     /// The cells that X^Δ may cover within the horizon; `grow` computes them at the first call.
     pub(super) fn grown(&self, grow: impl FnOnce() -> Raster) -> &Raster {
         self.grown.get_or_init(grow)
+    }
+
+    /// The cells of the OEM, which is `oem`, that hide ground.
+    pub(super) fn occupied(&self, oem: &Oem) -> &OccupiedCells {
+        self.occupied.get_or_init(|| OccupiedCells::of(oem))
     }
 
     /// The view from `pose`; `look` computes it if it is not cached.

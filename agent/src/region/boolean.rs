@@ -1,5 +1,7 @@
 //! Boolean operations on rings, by `i_overlay`'s integer engine.
 
+use std::cell::Cell;
+
 use csat_proto::region::{GridBox, GridPoint, Region, Ring};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{Overlay, ShapeType};
@@ -25,6 +27,12 @@ const PRECISION: Precision = Precision { start: 0, progression: 4 };
 /// sets of 2000 to 7000 edges take a third less time. The result is the same.
 const LIST_UP_TO: usize = 10_000;
 
+thread_local! {
+    /// The engine of this thread's last operation, for its memory: most operations have a few dozen edges, and allocating
+    /// takes a large part of their time.
+    static ENGINE: Cell<Option<Overlay<i32>>> = const { Cell::new(None) };
+}
+
 /// Applies `rule` to two collections of rings, each filled where its winding number is positive.
 ///
 /// The rings of a collection may overlap and cross: counter-clockwise ones add, clockwise ones
@@ -40,7 +48,8 @@ where
     S: AsRef<[GridPoint]>,
     C: AsRef<[GridPoint]>,
 {
-    let mut overlay = Overlay::<i32>::new_custom(1024, Default::default(), Solver::AUTO);
+    let mut overlay = ENGINE.take().unwrap_or_else(|| Overlay::new(1024));
+    overlay.clear();
     let mut edges = 0;
     let mut add = |ring: &[GridPoint], side| {
         overlay.add_contour(ring, side);
@@ -51,7 +60,9 @@ where
     note_edges(edges);
     let strategy = if edges <= LIST_UP_TO { Strategy::List } else { Strategy::Auto };
     overlay.solver = Solver::with_strategy_and_precision(strategy, PRECISION);
-    Region::from_shapes(overlay.overlay(rule, FillRule::Positive))
+    let shapes = overlay.overlay(rule, FillRule::Positive);
+    ENGINE.set(Some(overlay));
+    Region::from_shapes(shapes)
 }
 
 /// What rings fill.

@@ -108,10 +108,13 @@ impl Operation<'_> {
                 low.resolve(low_cell, memo, shapes);
                 high.resolve(high_cell, memo, shapes);
             }
-            _ => shapes.extend(match memo {
-                Some(memo) => memo.result(self.identity(), || self.at_once()),
-                None => self.at_once(),
-            }),
+            _ => match memo {
+                Some(memo) => {
+                    let known = memo.result(self.identity(), || self.at_once().into());
+                    shapes.extend_from_slice(&known);
+                }
+                None => shapes.extend(self.at_once()),
+            },
         }
     }
 

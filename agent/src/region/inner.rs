@@ -73,8 +73,8 @@ impl Inner {
                 sets.into_values().map(|shapes| Inner(Region::from_shapes(shapes))).collect();
             let rings = sets.iter().map(|set| set.0.rings().collect::<Vec<_>>());
             let key = Identity::of_operation([RULE::Union as u64, tolerance_m.to_bits()], rings);
-            let united = || Inner::union(&sets).simplified(tolerance_m).into_region().into_shapes();
-            sum.extend(memo.result(key, united));
+            let united = || Inner::union(&sets).simplified(tolerance_m).into_region();
+            sum.extend_from_slice(&memo.result(key, || united().into_shapes().into()));
         }
         Inner(Region::from_shapes(sum))
     }

@@ -32,13 +32,16 @@
 //! the lines along which operations are divided bend an edge by no more than 9 units, and a corner of a raw
 //! path is rounded by one.
 
+use std::sync::Arc;
+
+use csat_proto::region::Shape;
+
 mod boolean;
 mod cells;
 mod disc;
 mod grown;
 mod inner;
 mod limit;
-mod memo;
 mod outer;
 mod reach;
 mod relaxed;
@@ -49,9 +52,12 @@ mod vector;
 pub use disc::Disc;
 pub use grown::Grown;
 pub use inner::Inner;
-pub use memo::Memo;
 pub use outer::Outer;
 pub use reach::Reach;
+
+/// Results of operations on sets, by what went in.
+pub type Memo = crate::memo::Memo<Arc<[Shape]>>;
+
 pub(crate) use simplify::{Approximation, Tolerance, simplify_ring};
 
 pub(crate) use boolean::{RULE, filled, overlay};

@@ -103,7 +103,7 @@ fn gap_m(a: &[Pose], b: &[Pose]) -> f64 {
 /// the map's boxes (5.23).
 fn seen_from(planner: &mut Planner, agent: &SetMembershipAgent, pose: &Pose) -> Raster {
     let mut seen = planner.footprint(pose);
-    seen.subtract(&planner.predicted_hidden(&agent.knowledge().oem, pose));
+    seen.subtract(&planner.predicted_hidden(&agent.knowledge().oem, None, pose));
     seen
 }
 
