@@ -31,10 +31,11 @@ sweep range-town helsinki-05 --vary netem.radio.range_m=50,100,200,inf --vary 'g
 sweep range-8 city --vary netem.radio.range_m=50,100 --vary 'guidance.criterion=str3,str5' --set agents.count=8 --no-baseline
 sweep delay city --vary netem.radio.delay.mean_s=1,3,10 --vary "$planners"
 # The same share of messages lost one by one, and in bursts of ten on average.
-sweep loss city \
-    --vary 'netem.radio.loss=iid-60:{model="iid",p=0.6},bursts-60:{model="gilbert-elliott",p=0.15,r=0.1},iid-90:{model="iid",p=0.9},bursts-90:{model="gilbert-elliott",p=0.9,r=0.1}' \
-    --vary "$planners"
+losses='netem.radio.loss=iid-60:{model="iid",p=0.6},bursts-60:{model="gilbert-elliott",p=0.15,r=0.1},iid-90:{model="iid",p=0.9},bursts-90:{model="gilbert-elliott",p=0.9,r=0.1}'
+sweep loss city --vary "$losses" --vary "$planners"
 sweep budget city --vary exchange.budget_bytes_s=150,300,1000,3000,inf
+sweep budget-range city --vary netem.radio.range_m=50,100,200 --vary exchange.budget_bytes_s=300,1000,3000,inf
 modes='exchange.mode=facts,facts+repair,snapshot'
 sweep modes-range city --vary netem.radio.range_m=25,100,200 --vary "$modes"
 sweep modes-delay city --vary netem.radio.delay.mean_s=1,3,10 --vary "$modes"
+sweep modes-loss city --vary "$losses" --vary exchange.mode=facts,facts+repair

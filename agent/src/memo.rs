@@ -1,8 +1,8 @@
 //! Results of functions, by what went in.
 //!
-//! Agents of a process often compute the same: they receive the same messages, and know the same of most places. And where
-//! nothing changed since the step before, the same goes in again. A result is a function of its key, so no agent behaves
-//! differently with a memo.
+//! Agents of a process often compute the same: they receive the same messages, and know the same of most
+//! places. And where nothing changed since the step before, the same goes in again. A result is a function of
+//! its key, so no agent behaves differently with a memo.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -13,8 +13,8 @@ use csat_proto::time::Step;
 
 use crate::identity::Identity;
 
-/// Results of one step and of the step before it, each computed once. Agents of a process that are at the same step may
-/// share one.
+/// Results of one step and of the step before it, each computed once. Agents of a process may share one; those that are at
+/// an earlier step than others may have to compute again.
 pub struct Memo<V>(Mutex<Results<V>>);
 
 /// Results by key: a thread that asks for one that another thread is computing waits for it.

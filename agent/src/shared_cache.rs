@@ -28,7 +28,7 @@ pub struct SharedCache {
     messages: Memo<Result<Arc<CheckedMessage>, Rejection>>,
     /// Kept alive by the agents that hold this knowledge.
     updates: Memo<(Weak<SettledKnowledge>, Changes)>,
-    /// Also of agents whose knowledge differs elsewhere.
+    /// Results of operations on sets, also of agents whose knowledge differs elsewhere.
     operations: Arc<region::Memo>,
 }
 

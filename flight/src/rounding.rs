@@ -33,6 +33,9 @@ const CORNERS: u16 = 4;
 /// to round, so that the rounds come to an end.
 const PRECISION: Precision = Precision { start: 0, progression: 4 };
 
+/// Up to this many edges the engine keeps those under the sweep line in a list, as in `agent::region`.
+const LIST_UP_TO: usize = 10_000;
+
 /// A set that contains what it stands for, within the ground: to the millimetre, and it contains that
 /// still.
 pub fn outer(set: &Region, ground: &Ground) -> Shapes {
@@ -84,9 +87,14 @@ fn resolved(rings: impl Iterator<Item = Vec<GridPoint>>, per_unit: f64) -> Shape
     // Where a corner of one ring lies on a side of another, both have it: as decimal fractions, a corner
     // on a side would be on either side of it.
     let options = IntOverlayOptions { preserve_output_collinear: true, ..IntOverlayOptions::ogc() };
-    let solver = Solver::with_strategy_and_precision(Strategy::List, PRECISION);
-    let mut overlay = Overlay::<i32>::new_custom(1024, options, solver);
-    rings.for_each(|ring| overlay.add_contour(&ring, ShapeType::Subject));
+    let mut overlay = Overlay::<i32>::new_custom(1024, options, Solver::AUTO);
+    let mut edges = 0;
+    for ring in rings {
+        overlay.add_contour(&ring, ShapeType::Subject);
+        edges += ring.len();
+    }
+    let strategy = if edges <= LIST_UP_TO { Strategy::List } else { Strategy::Auto };
+    overlay.solver = Solver::with_strategy_and_precision(strategy, PRECISION);
     let shapes = overlay.overlay(OverlayRule::Subject, FillRule::Positive);
     let point = |p: &GridPoint| [p.x, p.y].map(|value| f64::from(value) / per_unit);
     let ring = |ring: &Vec<GridPoint>| ring.iter().map(point).collect();

@@ -73,7 +73,7 @@ impl Knowledge {
         self.views.hidden(*self.hidden.grid())
     }
 
-    /// A hash of all fields above: equal digests mean equal knowledge.
+    /// A hash of all fields but the views of the last steps.
     pub fn digest(&self) -> u64 {
         let mut hasher = Xxh3Default::new();
         self.sets.hash(&mut hasher);

@@ -14,8 +14,8 @@ pub(super) struct Views {
     from: Step,
 }
 
-/// The ground that was hidden to the fleet and the ground that it saw, at one step. Two steps of knowledge
-/// share it until it changes.
+/// The ground that was hidden to the fleet and the ground that it saw, at one step. Copies of knowledge
+/// share it until one of them changes it.
 #[derive(Debug, Clone)]
 struct FleetView {
     step: Step,
@@ -158,7 +158,7 @@ mod tests {
         }
     }
 
-    /// Cells in every corner of tiles that are cut by the border, and in one row only.
+    /// Cells in corners of tiles, also of tiles that the border cuts.
     #[test]
     fn what_is_hidden_is_the_union_of_all_views() {
         let grid = Grid::covering(&Ground { size_m: [390.0, 270.0] }, 2.0);
@@ -176,5 +176,11 @@ mod tests {
         assert_eq!(known, expected);
         views.forget_before(Step(3));
         assert_eq!(views.hidden(grid).iter().collect::<Vec<_>>(), [(194, 0)]);
+        let mut seen = nothing.clone();
+        seen.set(194, 134);
+        views.note(&mut known, Step(4), &nothing, &seen);
+        assert!(!known.get(194, 134));
+        views.note(&mut known, Step(3), &expected, &nothing);
+        assert!(!known.get(194, 134), "it was seen since");
     }
 }

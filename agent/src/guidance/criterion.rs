@@ -71,7 +71,7 @@ pub(super) struct VisibilityModel {
     caster: ShadowCaster,
 }
 
-/// What views depend on besides the pose.
+/// What a decision looks with: the views that are known, and what the others are made of.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sight<'a> {
     /// The views that are known.
@@ -112,7 +112,8 @@ impl VisibilityModel {
         self.criterion != Criterion::Str1
     }
 
-    /// What the views of `wanted` given `oem` depend on; `grow` is asked for the cells that it may cover.
+    /// What a decision with `oem` looks with. `views` are those of `oem`, and `grow` finds the cells that X^Δ may cover
+    /// within the horizon.
     pub(super) fn sight<'a>(
         &self,
         views: &'a ViewCache,

@@ -6,7 +6,7 @@
 //! | `footprint` | F(x^u) ∩ X_g, a run of cells per row |
 //! | `shadow` | H^OEM(x^u), the ground that the boxes of the OEM would hide |
 //! | `criterion` | what a criterion counts as seen, and its cost |
-//! | `view_cache` | views by pose, shared by all agents with the same knowledge |
+//! | `view_cache` | views by pose, and the cells that hide ground, shared by all agents with the same knowledge |
 //! | [`PlannerRasters`] | the sets that the planner reads, as rasters |
 //! | `nearest` | the distance to the nearest part of X^Δ that is not hidden |
 //! | `rollout` | prediction: poses and X^Δ, block by block |

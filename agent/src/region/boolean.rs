@@ -28,8 +28,8 @@ const PRECISION: Precision = Precision { start: 0, progression: 4 };
 const LIST_UP_TO: usize = 10_000;
 
 thread_local! {
-    /// The engine of this thread's last operation, for its memory: most operations have a few dozen edges, and allocating
-    /// takes a large part of their time.
+    /// The engine of this thread's last operation, for its memory: most operations have a few dozen edges, and
+    /// allocating takes a large part of their time.
     static ENGINE: Cell<Option<Overlay<i32>>> = const { Cell::new(None) };
 }
 
