@@ -7,13 +7,13 @@
 //! What contains a set is moved outward before it is rounded, what is contained in one inward, by
 //! [`MARGIN_M`]: so the polygons that are shown keep the promise of the set that they show.
 
-use csat_agent::region::{Disc, Inner, Outer};
+use csat_agent::region::{Disc, Inner, Outer, solver};
 use csat_proto::model::Ground;
 use csat_proto::region::{GridPoint, Region, metres, twice_signed_area};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
 use i_overlay::core::overlay_rule::OverlayRule;
-use i_overlay::core::solver::{Precision, Solver, Strategy};
+use i_overlay::core::solver::Solver;
 
 use csat_mission::picture::Ring;
 use csat_mission::picture::Shapes;
@@ -28,13 +28,6 @@ pub const MARGIN_M: f64 = 0.003;
 /// The polygon that stands for the disc of [`MARGIN_M`] has as few corners as can be: each may add a
 /// corner at each corner of the set.
 const CORNERS: u16 = 4;
-
-/// How the engine snaps crossings to the grid: as in `agent::region`, with a radius that grows from round
-/// to round, so that the rounds come to an end.
-const PRECISION: Precision = Precision { start: 0, progression: 4 };
-
-/// Up to this many edges the engine keeps those under the sweep line in a list, as in `agent::region`.
-const LIST_UP_TO: usize = 10_000;
 
 /// A set that contains what it stands for, within the ground: to the millimetre, and it contains that
 /// still.
@@ -93,8 +86,7 @@ fn resolved(rings: impl Iterator<Item = Vec<GridPoint>>, per_unit: f64) -> Shape
         overlay.add_contour(&ring, ShapeType::Subject);
         edges += ring.len();
     }
-    let strategy = if edges <= LIST_UP_TO { Strategy::List } else { Strategy::Auto };
-    overlay.solver = Solver::with_strategy_and_precision(strategy, PRECISION);
+    overlay.solver = solver(edges);
     let shapes = overlay.overlay(OverlayRule::Subject, FillRule::Positive);
     let point = |p: &GridPoint| [p.x, p.y].map(|value| f64::from(value) / per_unit);
     let ring = |ring: &Vec<GridPoint>| ring.iter().map(point).collect();

@@ -27,6 +27,12 @@ const PRECISION: Precision = Precision { start: 0, progression: 4 };
 /// sets of 2000 to 7000 edges take a third less time. The result is the same.
 const LIST_UP_TO: usize = 10_000;
 
+/// How the engine resolves that many edges.
+pub fn solver(edges: usize) -> Solver {
+    let strategy = if edges <= LIST_UP_TO { Strategy::List } else { Strategy::Auto };
+    Solver::with_strategy_and_precision(strategy, PRECISION)
+}
+
 thread_local! {
     /// The engine of this thread's last operation, for its memory: most operations have a few dozen edges, and
     /// allocating takes a large part of their time.
@@ -58,8 +64,7 @@ where
     subject.into_iter().for_each(|ring| add(ring.as_ref(), ShapeType::Subject));
     clip.into_iter().for_each(|ring| add(ring.as_ref(), ShapeType::Clip));
     note_edges(edges);
-    let strategy = if edges <= LIST_UP_TO { Strategy::List } else { Strategy::Auto };
-    overlay.solver = Solver::with_strategy_and_precision(strategy, PRECISION);
+    overlay.solver = solver(edges);
     let shapes = overlay.overlay(rule, FillRule::Positive);
     ENGINE.set(Some(overlay));
     Region::from_shapes(shapes)

@@ -49,6 +49,7 @@ mod simplify;
 mod sweep;
 mod vector;
 
+pub use boolean::solver;
 pub use disc::Disc;
 pub use grown::Grown;
 pub use inner::Inner;
