@@ -25,6 +25,8 @@ sweep() { # NAME SCENARIO VARY...
 planners='guidance.criterion=str3,str4,str5'
 # Without radio `circles` divides the region once and for all; nothing is planned.
 sweep range city --vary netem.radio.range_m=25,50,100,200,inf --vary "guidance.criterion=str3,str4,str5,circles"
+# More seeds, for docs/planner.md.
+SEEDS=${SEEDS:-2001..2020} sweep fresh city --vary guidance.criterion=str4,str5 --set netem.radio.range_m=100 --no-baseline
 sweep range-fleet city --vary netem.radio.range_m=25,50,100,200 --vary guidance.objective=own,fleet \
     --set guidance.criterion=str4 --no-baseline
 sweep range-town helsinki-05 --vary netem.radio.range_m=50,100,200,inf --vary 'guidance.criterion=str3,str5'

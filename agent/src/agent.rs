@@ -16,7 +16,7 @@ use csat_proto::envelope::Envelope;
 use csat_proto::frame::Frame;
 use csat_proto::grid_pose::GridPose;
 use csat_proto::ids::{AgentId, TargetId};
-use csat_proto::message::{Digest, Fact, Plan};
+use csat_proto::message::{Digest, Fact, Plan, Relay};
 use csat_proto::radio::Reception;
 use csat_proto::raster::Raster;
 use csat_proto::time::{SimTime, Step};
@@ -414,6 +414,7 @@ impl SetMembershipAgent {
         let last = self.scheduler.on_own_plan(&plan);
         if self.config.exchange.mode != ExchangeMode::None {
             self.transmitter.say_plan(self.now, self.pose, plan);
+            self.relay_plans(pass.step);
         }
         if last {
             let is_lost = self.airspace.as_mut().is_some_and(|air| air.fly(pass.step, way_out));
@@ -421,6 +422,16 @@ impl SetMembershipAgent {
             let yaw_rad = yaw_rad + turn_rad;
             self.commanded_yaw_rad = Some(yaw_rad);
             self.commands.push_back(Command::Yaw { yaw_rad });
+        }
+    }
+
+    /// Passes on the plans that arrived since the last decision, unless the budget is used up.
+    fn relay_plans(&mut self, step: Step) {
+        if self.config.relays_plans() && self.transmitter.has_credit() {
+            let plans = self.scheduler.plans_to_relay(&self.pose);
+            if !plans.is_empty() {
+                self.transmitter.relay_plans(self.now, self.pose, Relay { step, plans });
+            }
         }
     }
 
@@ -444,6 +455,8 @@ impl SetMembershipAgent {
             wanted: &rasters.wanted,
             margin: &rasters.margin,
             hidden_now: self.own_frame.measured().map_or(&nothing, |m| &m.hidden),
+            neighbours: &pass.neighbours,
+            plan_ages: &pass.ages,
             silent: &pass.silent,
             neighbours_hidden_now: &neighbours_hidden_now,
             hidden_recent: &rasters.hidden_recently,
@@ -507,6 +520,17 @@ impl Agent for SetMembershipAgent {
                     Ok(()) => {
                         self.receiver.believe(from, incarnation);
                         // No decision of a station waits for it.
+                        self.plan_arrived |= !self.config.is_station();
+                    }
+                    Err(error) => self.reject(Some(from), &error.into()),
+                }
+            }
+            Ok(Received::Relay { from, incarnation, mut plans }) => {
+                let own = self.config.id;
+                plans.retain(|relayed| relayed.uav != own);
+                match self.scheduler.on_relayed(self.now, &plans) {
+                    Ok(()) => {
+                        self.receiver.believe(from, incarnation);
                         self.plan_arrived |= !self.config.is_station();
                     }
                     Err(error) => self.reject(Some(from), &error.into()),

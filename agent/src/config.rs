@@ -49,7 +49,7 @@ pub struct ChannelNames {
     pub facts: String,
     /// Snapshots.
     pub snapshots: String,
-    /// Flight plans.
+    /// Flight plans, the own one and those that are passed on.
     pub plans: String,
 }
 
@@ -80,6 +80,16 @@ impl AgentConfig {
     /// Whether this agent is a ground station, which has no camera and makes no plans.
     pub fn is_station(&self) -> bool {
         (self.fleet.count..self.agents()).contains(&self.id.0)
+    }
+
+    /// Whether the planner predicts who is in contact: `str5`, where radios have a range.
+    pub fn predicts_contact(&self) -> bool {
+        self.guidance.criterion == Criterion::Str5 && self.radio_range_m < f64::INFINITY
+    }
+
+    /// Whether agents pass on the plans of others. Who may lie may lie about them.
+    pub fn relays_plans(&self) -> bool {
+        self.predicts_contact() && self.exchange.liars == 0
     }
 
     /// The number of steps until `seconds` are over, at most [`u32::MAX`].
@@ -168,8 +178,7 @@ pub enum Criterion {
     /// Not in the thesis: ground counts for as long as it stays unseen, over a longer horizon
     /// ([`Str4Config`]).
     Str4,
-    /// Not in the thesis: `str4`, and a UAV flies out of reach of the others' radios only where that is
-    /// worth it ([`Str5Config`]).
+    /// Not in the thesis: `str4`, where ground that another UAV sees counts from when this one hears of it.
     Str5,
     /// No planning: each UAV flies a fixed circle.
     Circles,
@@ -184,7 +193,7 @@ pub enum Objective {
     /// What this UAV itself knows.
     Own,
     /// What all UAVs know together: ground in the shares of silent UAVs counts less ([`Str4Config::silent`]). Only for
-    /// `str4` and `str5`.
+    /// `str4`.
     Fleet,
 }
 
@@ -224,8 +233,6 @@ pub struct GuidanceConfig {
     pub plan_timeout_s: f64,
     /// `[guidance.str4]`; read by `str4` and `str5`.
     pub str4: Str4Config,
-    /// `[guidance.str5]`; the other criteria do not read it.
-    pub str5: Str5Config,
 }
 
 /// `[guidance.str4]`: the horizon and the width of the search of `str4` and `str5`.
@@ -246,24 +253,6 @@ pub struct Str4Config {
 impl Default for Str4Config {
     fn default() -> Self {
         Self { n_mpc: 20, beam: 200, first_look: 10, silent: 0.25 }
-    }
-}
-
-/// `[guidance.str5]`: what contact with the other UAVs is worth.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Str5Config {
-    /// UAVs count as in contact within this share of the shortest range of the radios: plans are not
-    /// flown exactly.
-    pub reach: f64,
-    /// The cost of a block in which a UAV is out of contact: this share of the region for each block's
-    /// way that is missing.
-    pub apart: f64,
-}
-
-impl Default for Str5Config {
-    fn default() -> Self {
-        Self { reach: 0.95, apart: 0.01 }
     }
 }
 
@@ -307,7 +296,6 @@ impl Default for GuidanceConfig {
             schedule: Schedule::SequentialLoopback,
             plan_timeout_s: 0.4,
             str4: Str4Config::default(),
-            str5: Str5Config::default(),
         }
     }
 }

@@ -212,6 +212,8 @@ impl Lab {
             wanted: &wanted,
             margin: &margin,
             hidden_now: &nothing,
+            neighbours: &[],
+            plan_ages: &[],
             silent: &[],
             neighbours_hidden_now: &[],
             hidden_recent: &hidden_recent,
@@ -232,6 +234,12 @@ impl Lab {
                 let others: Vec<Vec<Pose>> =
                     (0..poses.len()).filter(known).map(|j| self.plans[j].clone()).collect();
                 let pose = Pose { yaw_rad: self.yaws[i], ..poses[i] };
+                let neighbours: Vec<AgentId> =
+                    (0..poses.len()).filter(known).map(|j| AgentId(j as u16)).collect();
+                let plan_ages: Vec<u32> =
+                    neighbours.iter().map(|j| u32::from(usize::from(j.0) > i)).collect();
+                let input =
+                    PlannerInput { neighbours: &neighbours, plan_ages: &plan_ages, ..input };
                 let decision = planner.plan(&input, &pose, &others);
                 turns[i] = decision.increments_rad[0];
                 self.plans[i] = decision.poses;

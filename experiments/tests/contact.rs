@@ -76,10 +76,8 @@ const SHORT: Shipped = Shipped {
 
 #[test]
 fn every_key_of_str5_has_an_effect() {
-    const KEYS: [Key; 5] = [
+    const KEYS: [Key; 3] = [
         ("guidance.criterion=str4", &[]),
-        ("guidance.str5.reach=0.4", &[]),
-        ("guidance.str5.apart=0.001", &[]),
         ("guidance.str4.n_mpc=8", &[]),
         ("guidance.str4.first_look=0", &[]),
     ];
@@ -89,8 +87,8 @@ fn every_key_of_str5_has_an_effect() {
 #[test]
 fn whose_knowledge_counts_has_an_effect() {
     const KEYS: [Key; 2] = [
-        ("guidance.objective=fleet", &[]),
-        ("guidance.str4.silent=0.5", &["guidance.objective=fleet"]),
+        ("guidance.objective=fleet", &["guidance.criterion=str4"]),
+        ("guidance.str4.silent=0.5", &["guidance.criterion=str4", "guidance.objective=fleet"]),
     ];
     SHORT.every_key_changes(&KEYS, digest);
 }
@@ -106,17 +104,14 @@ fn str5_keeps_in_contact() {
     assert!(together > apart + 10.0, "{together} % instead of {apart} %");
 }
 
-/// Contact that costs nothing and radios without a range change nothing.
 #[test]
-fn without_a_price_or_a_range_it_is_str4() {
+fn without_a_range_it_is_str4() {
     let base = scratch();
-    for (case, sets) in [("free", "guidance.str5.apart=0"), ("far", "netem.radio.range_m=inf")] {
-        let flown = |criterion: &str| {
-            let sets = [sets, &format!("guidance.criterion={criterion}")];
-            digest(&SHORT.flown(base.path(), "run", &format!("{case}-{criterion}"), &sets))
-        };
-        assert_eq!(flown("str4"), flown("str5"), "{case}");
-    }
+    let flown = |criterion: &str| {
+        let sets = ["netem.radio.range_m=inf", &format!("guidance.criterion={criterion}")];
+        digest(&SHORT.flown(base.path(), "run", criterion, &sets))
+    };
+    assert_eq!(flown("str4"), flown("str5"));
 }
 
 /// Over perfect links nobody is silent.
@@ -128,7 +123,8 @@ fn with_perfect_links_the_objectives_are_one() {
             let name = format!("{schedule}-{objective}");
             let schedule = format!("guidance.schedule={schedule}");
             let objective = format!("guidance.objective={objective}");
-            let sets = ["netem.radio.range_m=inf", &schedule, &objective];
+            let sets =
+                ["guidance.criterion=str4", "netem.radio.range_m=inf", &schedule, &objective];
             digest(&SHORT.flown(base.path(), "run", &name, &sets))
         };
         assert_eq!(flown("own"), flown("fleet"), "{schedule}");
@@ -136,7 +132,8 @@ fn with_perfect_links_the_objectives_are_one() {
 }
 
 #[test]
-fn one_process_and_many_come_to_the_same_under_str5() {
-    let cases: [(&str, &[&str]); 2] = [("short", &[]), ("fleet", &["guidance.objective=fleet"])];
+fn one_process_and_many_come_to_the_same_with_short_radios() {
+    let fleet = ["guidance.criterion=str4", "guidance.objective=fleet"];
+    let cases: [(&str, &[&str]); 2] = [("short", &[]), ("fleet", &fleet)];
     SHORT.is_the_same_in_processes(&cases, &["digest", "violations", "unexplored_pct"]);
 }

@@ -105,6 +105,24 @@ pub struct Plan {
     pub poses: Vec<GridPose>,
 }
 
+/// The plan of another UAV.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RelayedPlan {
+    /// Whose plan it is.
+    pub uav: AgentId,
+    /// The plan.
+    pub plan: Plan,
+}
+
+/// Plans of other UAVs, which the sender passes on to those that do not hear them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Relay {
+    /// The step of the decision of the sender.
+    pub step: Step,
+    /// The newest plan of each, by increasing UAV.
+    pub plans: Vec<RelayedPlan>,
+}
+
 /// The body of an envelope.
 #[expect(clippy::large_enum_variant, reason = "a message is decoded, applied and gone")]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -115,4 +133,6 @@ pub enum Message {
     Snapshot(Box<Snapshot>),
     /// A flight plan.
     Plan(Plan),
+    /// Flight plans of others.
+    Relay(Relay),
 }

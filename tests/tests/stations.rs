@@ -101,7 +101,7 @@ fn held(trace: &StepTrace<SetMembership>, agent: u16) -> Option<Vec<HeldFacts>> 
         match postcard::from_bytes(&body).ok()? {
             Message::Fact(fact) => Some(fact.held.facts),
             Message::Snapshot(snapshot) => Some(snapshot.fact.held.facts),
-            Message::Plan(_) => None,
+            Message::Plan(_) | Message::Relay(_) => None,
         }
     })
 }

@@ -7,7 +7,7 @@ use csat_proto::agent::FIRST_ANSWER;
 use csat_proto::camera::Pose;
 use csat_proto::envelope::Envelope;
 use csat_proto::ids::{AgentId, Incarnation};
-use csat_proto::message::{Fact, Known, Message, Plan};
+use csat_proto::message::{Fact, Known, Message, Plan, RelayedPlan};
 use csat_proto::time::Step;
 
 use super::validate::{self, Rejection};
@@ -44,6 +44,7 @@ pub struct CheckedMessage {
 enum Body {
     Knowledge { fact: Arc<Fact>, known: Option<Arc<Known>> },
     Plan(Plan),
+    Relay(Vec<RelayedPlan>),
 }
 
 impl CheckedMessage {
@@ -60,6 +61,7 @@ impl CheckedMessage {
         let envelope = Envelope::decode(bytes)?;
         let body = match validate::check(config, now, &envelope)? {
             Message::Plan(plan) => Body::Plan(plan),
+            Message::Relay(relay) => Body::Relay(relay.plans),
             Message::Fact(fact) => Body::Knowledge { fact: Arc::new(fact), known: None },
             Message::Snapshot(snapshot) => Body::Knowledge {
                 fact: Arc::new(snapshot.fact),
@@ -92,6 +94,15 @@ pub enum Received {
         incarnation: Incarnation,
         /// The plan.
         plan: Plan,
+    },
+    /// Flight plans of others, which the scheduler has yet to check.
+    Relay {
+        /// The sender.
+        from: AgentId,
+        /// Its incarnation.
+        incarnation: Incarnation,
+        /// The plans.
+        plans: Vec<RelayedPlan>,
     },
     /// Applied before, or waiting already: it would change nothing.
     Repeat,
@@ -129,6 +140,7 @@ impl Receiver {
         }
         let (fact, known) = match body.clone() {
             Body::Plan(plan) => return Ok(Received::Plan { from: src, incarnation, plan }),
+            Body::Relay(plans) => return Ok(Received::Relay { from: src, incarnation, plans }),
             Body::Knowledge { fact, known } => (fact, known),
         };
         // An answer contains more than the fact whose number it has, so it is no repeat of that fact.

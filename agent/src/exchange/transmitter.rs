@@ -6,7 +6,9 @@ use csat_proto::agent::{FIRST_ANSWER, Transmit};
 use csat_proto::camera::Pose;
 use csat_proto::envelope::Envelope;
 use csat_proto::ids::{ChannelId, Incarnation};
-use csat_proto::message::{Digest, Fact, HeldFacts, Known, Message, Plan, Snapshot, TargetFact};
+use csat_proto::message::{
+    Digest, Fact, HeldFacts, Known, Message, Plan, Relay, Snapshot, TargetFact,
+};
 use csat_proto::oem::{OemCell, OemDelta, OemPatch};
 use csat_proto::raster::Raster;
 use csat_proto::region::Region;
@@ -255,6 +257,18 @@ impl Transmitter {
     pub fn say_plan(&mut self, now: SimTime, pose: Pose, plan: Plan) {
         let step = plan.step;
         let body = encode(&Message::Plan(plan));
+        self.say(self.config.channels.plans, now, step, pose, body);
+    }
+
+    /// Whether the budget allows to send more.
+    pub fn has_credit(&self) -> bool {
+        self.credit > 0.0
+    }
+
+    /// Passes on plans of other UAVs.
+    pub fn relay_plans(&mut self, now: SimTime, pose: Pose, relay: Relay) {
+        let step = relay.step;
+        let body = encode(&Message::Relay(relay));
         self.say(self.config.channels.plans, now, step, pose, body);
     }
 

@@ -2,7 +2,7 @@
 
 use csat_proto::envelope::{Envelope, EnvelopeError, decode_whole};
 use csat_proto::ids::{AgentId, MAX_TARGETS, TargetId};
-use csat_proto::message::{Digest, Fact, Known, Message};
+use csat_proto::message::{Digest, Fact, Known, Message, Relay};
 use csat_proto::oem::OemPatch;
 use csat_proto::raster::Raster;
 use csat_proto::region::{Region, to_units, twice_signed_area};
@@ -60,6 +60,12 @@ pub enum Rejection {
         /// The limit, seconds.
         max_s: f64,
     },
+    /// In this mission, or as a station, the sender does not pass on the plans of others.
+    #[error("plans of other UAVs, which this sender does not pass on in this mission")]
+    Relay,
+    /// The plans that it passes on are not by increasing UAV.
+    #[error("passed-on plans are not by increasing UAV")]
+    RelayOrder,
     /// The body does not decode, or bytes are left over.
     #[error("malformed body")]
     Malformed,
@@ -142,6 +148,8 @@ impl Rejection {
             Self::Future { .. } => "future",
             Self::TooOld { .. } => "too-old",
             Self::Malformed => "malformed",
+            Self::Relay => "relay",
+            Self::RelayOrder => "relay-order",
             Self::Step { .. } => "step",
             Self::KnownStep { .. } => "known-step",
             Self::TooManyVertices { .. } => "vertices",
@@ -181,6 +189,7 @@ pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Mes
         Message::Fact(fact) => fact.step,
         Message::Snapshot(snapshot) => snapshot.fact.step,
         Message::Plan(plan) => plan.step,
+        Message::Relay(relay) => relay.step,
     };
     if body != envelope.step {
         return Err(Rejection::Step { header: envelope.step.0, body: body.0 });
@@ -194,6 +203,7 @@ pub fn check(config: &AgentConfig, now: Step, envelope: &Envelope) -> Result<Mes
         }
         // The scheduler of guidance checks plans: which plans are possible depends on the schedule.
         Message::Plan(_) => {}
+        Message::Relay(relay) => check_relay(config, envelope.src, relay)?,
     }
     Ok(message)
 }
@@ -213,8 +223,17 @@ pub fn check_vertices(max: u32, message: &Message) -> Result<(), Rejection> {
             within(&mut sets_of_fact(&snapshot.fact))?;
             within(&mut sets_of_known(&snapshot.known))
         }
-        Message::Plan(_) => Ok(()),
+        Message::Plan(_) | Message::Relay(_) => Ok(()),
     }
+}
+
+/// The scheduler checks the plans; a plan of this receiver itself says nothing new.
+fn check_relay(config: &AgentConfig, src: AgentId, relay: &Relay) -> Result<(), Rejection> {
+    if !config.relays_plans() || src.0 >= config.fleet.count {
+        return Err(Rejection::Relay);
+    }
+    let is_ascending = relay.plans.windows(2).all(|pair| pair[0].uav < pair[1].uav);
+    if is_ascending { Ok(()) } else { Err(Rejection::RelayOrder) }
 }
 
 fn sets_of_fact(fact: &Fact) -> impl Iterator<Item = &Region> {

@@ -6,8 +6,8 @@
 //! around and to fly on and look elsewhere. It is too long to try every sequence, so the search is a
 //! beam search: per block the best candidates are kept, at most one per rounded pose, so that the
 //! beam does not fill with detours to the same pose. What ground counts depends on the objective
-//! ([`super::objective`]). `str5` also counts lost contact with the other UAVs
-//! ([`super::connectivity`]).
+//! ([`super::objective`]). Ground that another UAV sees is seen to this one at once; to `str5`, where radios have a range,
+//! when it hears of it ([`super::connectivity`]).
 
 use std::collections::BTreeSet;
 
@@ -36,7 +36,7 @@ pub(super) struct Beam {
     /// The bonus of a cell at the first look, blocks.
     first_look: i64,
     ground_cost: GroundCost,
-    /// Where contact counts.
+    /// Where it matters who hears what.
     connectivity: Option<Connectivity>,
     motion: Motion,
     overlap: ViewOverlap,
@@ -59,8 +59,19 @@ struct Candidate {
     increment_rad: f64,
     pose: Pose,
     place: RoundedPose,
-    /// X^Δ, summed over the blocks, less the bonus of first looks and with the cost of lost contact:
-    /// units of 1 / [`FULL`] cells.
+    /// X^Δ before its last look, among the [`Before`] of its block.
+    before: usize,
+    /// X^Δ, summed over the blocks, less the bonus of first looks: units of 1 / [`FULL`] cells.
+    cost: i64,
+}
+
+/// X^Δ at the end of a block before the own look, after a parent and for the children that hear the same.
+#[derive(Debug, Clone)]
+struct Before {
+    /// The groups that tell what they have seen ([`Connectivity::heard`]).
+    heard: Vec<usize>,
+    set: Raster,
+    /// Of the set, units of 1 / [`FULL`] cells.
     cost: i64,
 }
 
@@ -75,7 +86,7 @@ impl Beam {
             first_looks: FirstLooks::new(grid, config),
             first_look: config.guidance.str4.first_look.into(),
             ground_cost: GroundCost::new(config, grid),
-            connectivity: Connectivity::new(config, grid.cells()),
+            connectivity: Connectivity::new(config),
             motion: Motion::new(config),
             overlap: ViewOverlap::new(config),
             turning: Turning::new(config, &increments),
@@ -105,25 +116,28 @@ impl Beam {
         }
         let others: Vec<Vec<Pose>> =
             neighbours.iter().map(|plan| self.motion.forecast(plan, 0, self.blocks)).collect();
-        if let Some(connectivity) = &mut self.connectivity {
-            connectivity.load(&others, self.blocks);
-        }
+        self.predict_others(input, pose, &others, &remaining, &margin);
         let place = RoundedPose::of(pose, &self.grid);
-        let root = Candidate { parent: 0, increment_rad: 0.0, pose: *pose, place, cost: 0 };
+        let root =
+            Candidate { parent: 0, increment_rad: 0.0, pose: *pose, place, before: 0, cost: 0 };
         let (mut beams, mut sets, mut nodes) = (vec![vec![root]], vec![remaining], 0);
         for (block, mut kept) in self.seen_by_others(pose, &others).into_iter().enumerate() {
             kept.union_with(&margin);
-            self.pass_block(&mut sets, &kept, self.spread_m(block));
-            let mut children =
-                self.children(input, &beams[block], &sets, block, BlockKind::at(block));
+            let spread_m = self.spread_m(block);
+            sets.iter_mut().for_each(|set| pass_block(set, &kept, spread_m, &mut self.scratch));
+            let kind = BlockKind::at(block);
+            let (mut children, mut befores) =
+                self.children(input, &beams[block], &sets, block, kind);
             if children.is_empty() {
-                children = self.children(input, &beams[block], &sets, block, BlockKind::Hopeless);
+                (children, befores) =
+                    self.children(input, &beams[block], &sets, block, BlockKind::Hopeless);
             }
             nodes += children.len() as u32;
             let best = self.best(children);
-            sets = best.iter().map(|child| self.after_look(child, &sets[child.parent])).collect();
+            sets = best.iter().map(|child| self.after_look(child, &befores)).collect();
             beams.push(best);
         }
+        self.connectivity.iter_mut().for_each(Connectivity::unload);
         let cells = beams[self.blocks][0].cost as f64 / FULL as f64;
         let cost = cells * self.grid.cell_m.powi(2);
         let (increments_rad, poses) = first_of(&beams);
@@ -141,10 +155,35 @@ impl Beam {
         coarse
     }
 
+    /// Where it matters who hears what, predicts what the other UAVs would tell.
+    fn predict_others(
+        &mut self,
+        input: &PlannerInput<'_>,
+        own: &Pose,
+        others: &[Vec<Pose>],
+        remaining: &Raster,
+        margin: &Raster,
+    ) {
+        let spreads_m: Vec<f64> = (0..self.blocks).map(|block| self.spread_m(block)).collect();
+        let Self { connectivity, rounded_views, first_looks, scratch, grid, .. } = self;
+        let Some(connectivity) = connectivity else { return };
+        connectivity.load(input, own, others, remaining, |block, pose, set| {
+            pass_block(set, margin, spreads_m[block], scratch);
+            if let Some(pose) = pose {
+                let place = RoundedPose::of(pose, grid);
+                rounded_views.look(place).take_from(set);
+                first_looks.look(place).take_from(set);
+            }
+        });
+    }
+
     /// What the other UAVs would see from their poses at the end of each block, as far as their views
-    /// may overlap the own ones.
+    /// may overlap the own ones. Nothing where it matters who hears what.
     fn seen_by_others(&mut self, own: &Pose, others: &[Vec<Pose>]) -> Vec<Raster> {
         let mut seen = vec![Raster::empty(self.grid); self.blocks];
+        if self.connectivity.is_some() {
+            return seen;
+        }
         for poses in others {
             for (pose, seen) in poses.iter().zip(&mut seen) {
                 if self.overlap.may_see_the_same(own, pose) {
@@ -166,17 +205,8 @@ impl Beam {
         ((cells(block + 1) - cells(block) - 0.5) * self.grid.cell_m).max(0.0)
     }
 
-    /// Advances every X^Δ by a block, before the own look: it grows by f^t (4.24) and loses `kept`,
-    /// where no target can be or another UAV looks.
-    fn pass_block(&mut self, sets: &mut [Raster], kept: &Raster, spread_m: f64) {
-        for set in sets {
-            set.dilate_disc_into(spread_m, &mut self.scratch);
-            self.scratch.subtract(kept);
-            std::mem::swap(set, &mut self.scratch);
-        }
-    }
-
-    /// The children of `beam` in a block; `sets` are X^Δ before the own look.
+    /// The children of `beam` in a block, and X^Δ before their looks; `sets` are those of their parents, without what
+    /// others tell.
     fn children(
         &mut self,
         input: &PlannerInput<'_>,
@@ -184,23 +214,40 @@ impl Beam {
         sets: &[Raster],
         block: usize,
         kind: BlockKind,
-    ) -> Vec<Candidate> {
+    ) -> (Vec<Candidate>, Vec<Before>) {
         let mut children = Vec::with_capacity(beam.len() * self.increments.len());
+        let mut befores: Vec<Before> = Vec::with_capacity(beam.len());
         for (parent, (candidate, set)) in beam.iter().zip(sets).enumerate() {
-            let cost = candidate.cost + self.ground_cost.of(set);
+            let first_before = befores.len();
             let choices = input.choices(&self.increments, &candidate.pose, kind);
             for (choice, increment_rad) in choices {
                 let pose = self.turning.advance(&candidate.pose, choice);
                 let place = RoundedPose::of(&pose, &self.grid);
+                let links = self.connectivity.as_ref();
+                let heard = links.map_or_else(Vec::new, |links| links.heard(block, pose.p_world));
+                let same = befores[first_before..].iter().position(|b| b.heard == heard);
+                let before = same.map_or(befores.len(), |index| first_before + index);
+                if same.is_none() {
+                    befores.push(self.before(block, heard, set));
+                }
+                let Before { set, cost, .. } = &befores[before];
                 let seen = self.ground_cost.seen(self.rounded_views.look(place), set);
                 let first = self.ground_cost.seen(self.first_looks.look(place), set);
-                let links = self.connectivity.as_ref();
-                let apart = links.map_or(0, |links| links.cost(block, pose.p_world));
-                let cost = cost - seen - self.first_look * first + FULL * apart;
-                children.push(Candidate { parent, increment_rad, pose, place, cost });
+                let cost = candidate.cost + cost - seen - self.first_look * first;
+                children.push(Candidate { parent, increment_rad, pose, place, before, cost });
             }
         }
-        children
+        (children, befores)
+    }
+
+    /// X^Δ before the own look, for children that hear these groups; `set` is that of their parent.
+    fn before(&self, block: usize, heard: Vec<usize>, set: &Raster) -> Before {
+        let mut set = set.clone();
+        if let Some(connectivity) = &self.connectivity {
+            connectivity.tell(block, &heard, &mut set);
+        }
+        let cost = self.ground_cost.of(&set);
+        Before { heard, set, cost }
     }
 
     /// The candidates that are kept, the best first.
@@ -213,13 +260,21 @@ impl Beam {
         children
     }
 
-    /// `set` after the last look of `candidate`.
-    fn after_look(&mut self, candidate: &Candidate, set: &Raster) -> Raster {
-        let mut set = set.clone();
+    /// X^Δ after the last look of `candidate`.
+    fn after_look(&mut self, candidate: &Candidate, befores: &[Before]) -> Raster {
+        let mut set = befores[candidate.before].set.clone();
         self.rounded_views.look(candidate.place).take_from(&mut set);
         self.first_looks.look(candidate.place).take_from(&mut set);
         set
     }
+}
+
+/// Advances an X^Δ by a block, before the own look: it grows by f^t (4.24) and loses `kept`, where no target can be or
+/// another UAV looks.
+fn pass_block(set: &mut Raster, kept: &Raster, spread_m: f64, scratch: &mut Raster) {
+    set.dilate_disc_into(spread_m, scratch);
+    scratch.subtract(kept);
+    std::mem::swap(set, scratch);
 }
 
 /// The increments and poses of the first candidate of the last beam.

@@ -1,71 +1,171 @@
-//! `str5`: what it costs a UAV to fly out of reach of the others' radios.
+//! `str5`: ground that another UAV sees counts from when this UAV hears of it.
 //!
-//! Ground that another UAV has seen and not told stays unexplored to this one, and ground that it plans to
-//! look at is searched twice. So contact is worth ground: at each block a candidate pays for the way that is
-//! missing to every group of other UAVs, as far as their plans are known. The groups are the connected
-//! components of the others, because messages are passed on. A UAV that flies away can be worth its price,
-//! for instance to look at ground that has grown for long.
+//! Under `str4` ground that another UAV plans to see counts as seen at once. With a radio of limited range it stays
+//! unexplored to this UAV until the two are in contact. So `str5` predicts of each other UAV, by its last plan, where it
+//! is and the X^Δ that it would have itself. A candidate that is in contact with it at the end of a block goes on with
+//! the intersection of both X^Δ. Contact is worth the ground of which it tells, and a UAV flies out of reach where it sees
+//! more than it would hear.
+//!
+//! Messages are passed on. So the members of a connected component of the others, a group, know the same, and who is in
+//! contact with one of them hears of what all have seen. What this UAV tells a group is left out, because a group tells it
+//! nothing that it knows already.
+
+use std::collections::BTreeMap;
 
 use csat_proto::camera::Pose;
+use csat_proto::ids::AgentId;
+use csat_proto::raster::Raster;
 
-use crate::config::{AgentConfig, Criterion};
+use super::PlannerInput;
+use super::rollout::ViewOverlap;
+use super::schedule::RECENT_DECISIONS;
+use crate::config::AgentConfig;
 
-/// The cost of lost contact with the UAVs that are known to be somewhere.
+/// What other UAVs would tell, and whom.
 #[derive(Debug, Clone)]
 pub(super) struct Connectivity {
+    id: AgentId,
     /// Up to this distance UAVs are in contact, metres.
-    reach_m: f64,
-    /// The cost of a metre beyond it, cells.
-    price: f64,
+    range_m: f64,
+    overlap: ViewOverlap,
+    /// X^Δ of the other UAVs at the end of the first block of the last decision.
+    unexplored: BTreeMap<AgentId, Raster>,
     /// Per block, the groups of the others.
-    groups: Vec<Vec<Vec<[f64; 3]>>>,
+    groups: Vec<Vec<Group>>,
 }
 
-/// No cost is higher, cells: more than any region has.
-const MOST: f64 = 1e9;
+/// Another UAV as it is predicted.
+struct Other {
+    id: AgentId,
+    /// Its poses at the ends of the blocks, as far as its plan reaches.
+    poses: Vec<Pose>,
+    /// Its X^Δ.
+    unexplored: Raster,
+}
+
+/// UAVs that pass on each other's messages at the end of a block.
+#[derive(Debug, Clone)]
+struct Group {
+    /// `world`, metres.
+    positions: Vec<[f64; 3]>,
+    /// The X^Δ of each of them, once they have told each other.
+    unexplored: Raster,
+}
 
 impl Connectivity {
-    /// The contact that `str5` keeps on a grid of that many `cells`; `None` for the other criteria, and
-    /// where the radios reach everywhere.
-    pub(super) fn new(config: &AgentConfig, cells: usize) -> Option<Self> {
-        let guidance = &config.guidance;
-        if guidance.criterion != Criterion::Str5 || config.radio_range_m == f64::INFINITY {
-            return None;
-        }
-        let block_m = config.fleet.speed_m_s * guidance.period_s;
-        Some(Self {
-            reach_m: guidance.str5.reach * config.radio_range_m,
-            price: guidance.str5.apart * cells as f64 / block_m,
+    /// The contact that `str5` predicts; `None` where contact does not matter ([`AgentConfig::predicts_contact`]).
+    pub(super) fn new(config: &AgentConfig) -> Option<Self> {
+        config.predicts_contact().then(|| Self {
+            id: config.id,
+            range_m: config.radio_range_m,
+            overlap: ViewOverlap::new(config),
+            unexplored: BTreeMap::new(),
             groups: Vec::new(),
         })
     }
 
-    /// Begins a decision, given the poses of each other UAV at the ends of the blocks.
-    pub(super) fn load(&mut self, others: &[Vec<Pose>], blocks: usize) {
-        let at = |block: usize| others.iter().filter_map(move |plan| plan.get(block));
+    /// Begins a decision at the pose `own` with X^Δ in `wanted`, given the poses of the other UAVs at the ends of all
+    /// blocks. `pass_block` advances an X^Δ by the block of this number, at whose end its UAV sees from this pose.
+    pub(super) fn load(
+        &mut self,
+        input: &PlannerInput<'_>,
+        own: &Pose,
+        plans: &[Vec<Pose>],
+        wanted: &Raster,
+        mut pass_block: impl FnMut(usize, Option<&Pose>, &mut Raster),
+    ) {
+        let blocks = plans.iter().map(Vec::len).max().unwrap_or(0);
+        let mut others = self.others(input, own, plans, wanted);
+        self.unexplored.clear();
         self.groups = (0..blocks)
-            .map(|block| self.groups_of(at(block).map(|pose| pose.p_world).collect()))
+            .map(|block| {
+                for other in &mut others {
+                    pass_block(block, other.poses.get(block), &mut other.unexplored);
+                }
+                let groups = self.meet(&mut others, block);
+                if block == 0 {
+                    let known = others.iter().map(|other| (other.id, other.unexplored.clone()));
+                    self.unexplored = known.collect();
+                }
+                groups
+            })
             .collect();
     }
 
-    /// The connected components of positions, `world`, metres.
-    fn groups_of(&self, positions: Vec<[f64; 3]>) -> Vec<Vec<[f64; 3]>> {
-        let mut groups: Vec<Vec<[f64; 3]>> = Vec::new();
-        for position in positions {
-            let (near, mut apart): (Vec<_>, Vec<_>) = std::mem::take(&mut groups)
-                .into_iter()
-                .partition(|group| gap_m(group, position) <= self.reach_m);
-            apart.push(near.into_iter().flatten().chain([position]).collect());
-            groups = apart;
+    /// The other UAVs that may matter, now.
+    fn others(
+        &self,
+        input: &PlannerInput<'_>,
+        own: &Pose,
+        plans: &[Vec<Pose>],
+        wanted: &Raster,
+    ) -> Vec<Other> {
+        let mut others = Vec::new();
+        // A plan that is not recent counts for as long as its UAV should be out of reach by it.
+        for ((plan, &id), &age) in plans.iter().zip(input.neighbours).zip(input.plan_ages) {
+            let left = plan.len().saturating_sub(age as usize);
+            let poses = plan[..left].to_vec();
+            let last = self.unexplored.get(&id);
+            if !poses.iter().any(|pose| self.overlap.may_see_the_same(own, pose))
+                || age > RECENT_DECISIONS && (last.is_none() || self.should_be_heard(own, &poses))
+            {
+                continue;
+            }
+            // In contact now, it knows what this UAV knows. A UAV that plans later has only told its last plan yet.
+            let is_in_contact = age <= u32::from(id > self.id);
+            let unexplored = last.filter(|_| !is_in_contact).unwrap_or(wanted).clone();
+            others.push(Other { id, poses, unexplored });
         }
-        groups
+        others
     }
 
-    /// The cost of being at a position at the end of a block, cells.
-    pub(super) fn cost(&self, block: usize, position: [f64; 3]) -> i64 {
-        let missing_m = |group: &Vec<[f64; 3]>| (gap_m(group, position) - self.reach_m).max(0.0);
-        let missing_m: f64 = self.groups[block].iter().map(missing_m).sum();
-        (missing_m * self.price).min(MOST) as i64
+    /// Whether a UAV that flies by its plan will be in contact at once, at the end of the next block at the latest.
+    fn should_be_heard(&self, own: &Pose, plan: &[Pose]) -> bool {
+        plan.first().is_none_or(|pose| gap_m(&[pose.p_world], own.p_world) <= self.range_m)
+    }
+
+    /// The groups at the end of a block, whose members have told each other what they know.
+    fn meet(&self, others: &mut [Other], block: usize) -> Vec<Group> {
+        let mut groups: Vec<(Vec<usize>, Group)> = Vec::new();
+        for (index, other) in others.iter().enumerate() {
+            let Some(position) = other.poses.get(block).map(|pose| pose.p_world) else { continue };
+            let is_near = |group: &Group| gap_m(&group.positions, position) <= self.range_m;
+            let (near, apart): (Vec<_>, Vec<_>) =
+                groups.into_iter().partition(|(_, group)| is_near(group));
+            let mut joined =
+                Group { positions: vec![position], unexplored: other.unexplored.clone() };
+            let mut members = vec![index];
+            for (indices, group) in near {
+                members.extend(indices);
+                joined.positions.extend(group.positions);
+                joined.unexplored.intersect_with(&group.unexplored);
+            }
+            groups = apart;
+            groups.push((members, joined));
+        }
+        for (members, group) in &groups {
+            members.iter().for_each(|&i| others[i].unexplored.clone_from(&group.unexplored));
+        }
+        groups.into_iter().map(|(_, group)| group).collect()
+    }
+
+    /// Ends a decision.
+    pub(super) fn unload(&mut self) {
+        self.groups.clear();
+    }
+
+    /// The groups that a UAV at this position at the end of a block hears, by their place among the groups of the block.
+    pub(super) fn heard(&self, block: usize, position: [f64; 3]) -> Vec<usize> {
+        let is_heard = |group: &Group| gap_m(&group.positions, position) <= self.range_m;
+        let groups = self.groups.get(block).into_iter().flatten().enumerate();
+        groups.filter(|(_, group)| is_heard(group)).map(|(index, _)| index).collect()
+    }
+
+    /// Takes from X^Δ at the end of a block what these groups have seen.
+    pub(super) fn tell(&self, block: usize, heard: &[usize], unexplored: &mut Raster) {
+        for &index in heard {
+            unexplored.intersect_with(&self.groups[block][index].unexplored);
+        }
     }
 }
 
@@ -77,57 +177,5 @@ fn gap_m(group: &[[f64; 3]], [x, y, z]: [f64; 3]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::config::Str5Config;
-    use crate::guidance::tests::default_config;
-
-    fn connectivity(range_m: f64) -> Connectivity {
-        let mut config = default_config();
-        config.guidance.criterion = Criterion::Str5;
-        config.radio_range_m = range_m;
-        config.guidance.str5 = Str5Config { reach: 0.85, apart: 0.05 };
-        Connectivity::new(&config, 10_000).unwrap()
-    }
-
-    fn plan(x: f64) -> Vec<Pose> {
-        vec![Pose::level([x, 0.0, 50.0], 0.0)]
-    }
-
-    /// Reach 85 m; a block is 15 m, and each missing block costs 500 of 10 000 cells.
-    #[test]
-    fn a_uav_pays_for_the_way_to_every_group() {
-        let mut links = connectivity(100.0);
-        links.load(&[plan(0.0), plan(160.0), plan(80.0), plan(400.0)], 1);
-        assert_eq!(links.groups[0].len(), 2, "the first three pass messages on");
-        let cost = |x: f64| links.cost(0, [x, 0.0, 50.0]);
-        // In reach of one group, 400 - 85 - 245 = 70 m short of the other.
-        assert_eq!(cost(245.0), 2333);
-        // In reach of none: 30 and 40 m short.
-        assert_eq!(cost(275.0), 2333);
-        assert_eq!(cost(400.0), 5166);
-        links.load(&[plan(0.0), plan(160.0)], 1);
-        assert_eq!(
-            links.cost(0, [80.0, 0.0, 50.0]),
-            0,
-            "a relay between two is in contact with both"
-        );
-        assert_eq!(links.cost(0, [80.0, 0.0, 90.0]), 296, "height counts");
-        links.load(&[], 1);
-        assert_eq!(links.cost(0, [1e3, 0.0, 50.0]), 0, "nobody is known to be anywhere");
-    }
-
-    #[test]
-    fn only_str5_with_a_range_keeps_contact() {
-        let mut config = default_config();
-        config.radio_range_m = 100.0;
-        for criterion in [Criterion::Str3, Criterion::Str4] {
-            config.guidance.criterion = criterion;
-            assert!(Connectivity::new(&config, 1).is_none());
-        }
-        config.guidance.criterion = Criterion::Str5;
-        assert!(Connectivity::new(&config, 1).is_some());
-        config.radio_range_m = f64::INFINITY;
-        assert!(Connectivity::new(&config, 1).is_none());
-    }
-}
+#[path = "connectivity_tests.rs"]
+mod tests;

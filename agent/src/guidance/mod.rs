@@ -12,8 +12,8 @@
 //! | `rollout` | prediction: poses and X^Δ, block by block |
 //! | `search` | the tree of yaw increments |
 //! | `beam` | `str4` and `str5`: beam search |
-//! | `connectivity` | what it costs to lose contact with the others, for `str5` |
-//! | `objective` | whose knowledge counts, for `str4` and `str5` |
+//! | `connectivity` | what this UAV will hear from the others, for `str5` |
+//! | `objective` | whose knowledge counts, for `str4` |
 //! | `division` | the division of the region among the UAVs |
 //! | `first_looks` | buildings that no UAV has looked at from nearby yet, for `str4` |
 //! | `rounded_views` | views by rounded pose, for `str4` |
@@ -77,6 +77,10 @@ pub struct PlannerInput<'a> {
     pub margin: &'a Raster,
     /// H^CVS of this step's own frame; only `str2` reads it.
     pub hidden_now: &'a Raster,
+    /// The other UAVs whose plans are given to [`Planner::plan`], in the same order; only `str5` asks who they are.
+    pub neighbours: &'a [AgentId],
+    /// How old their plans are, decisions; only `str5` reads it.
+    pub plan_ages: &'a [u32],
     /// The UAVs from which nothing was heard for some decisions; only `guidance.objective` = `fleet` asks who they are.
     pub silent: &'a [AgentId],
     /// H^CVS of this step of each neighbour, in the order of the neighbours given to
@@ -135,7 +139,7 @@ pub struct Decision {
     /// The predicted poses at the ends of the blocks (5.35): the plan to send.
     pub poses: Vec<Pose>,
     /// J⁰ + κ·J² + λ·J¹, m²; in `str4` and `str5` Σ φ(X^Δ) over the blocks less the bonus of first
-    /// looks, and in `str5` the cost of lost contact, m². 0 without planning.
+    /// looks, m². 0 without planning.
     pub cost: f64,
     /// The terms of the cost of `str1` to `str3`.
     pub terms: Terms,
@@ -155,7 +159,7 @@ enum Method {
 }
 
 /// Plans for one agent, one decision after the other. Its state between two plans is scratch memory,
-/// for `str4` also the first looks, and for `lawnmower` the waypoint it flies to.
+/// for `str4` also the first looks, for `str5` what the other UAVs would know, and for `lawnmower` the waypoint it flies to.
 #[derive(Debug, Clone)]
 pub struct Planner {
     grid: Grid,

@@ -1,4 +1,4 @@
-//! Whose knowledge counts: `guidance.objective`, for `str4` and `str5`.
+//! Whose knowledge counts: `guidance.objective`, for `str4`.
 //!
 //! Under `own` all ground of X^Δ counts: perhaps nobody ever tells this UAV what the others see. Under `fleet` it matters
 //! what all UAVs know together. UAVs that hear each other plan together under either. Where a silent UAV flies is not

@@ -16,11 +16,12 @@
 //! [`Scheduler`] has no clock: the time is an argument.
 
 use csat_proto::camera::Pose;
+use csat_proto::grid_pose::GridPose;
 use csat_proto::ids::AgentId;
-use csat_proto::message::Plan;
+use csat_proto::message::{Plan, RelayedPlan};
 use csat_proto::time::{SimTime, Step};
 
-use super::rollout::Motion;
+use super::rollout::{Motion, ViewOverlap};
 use crate::config::{AgentConfig, Schedule};
 
 /// A planning pass that may begin now.
@@ -34,8 +35,10 @@ pub struct Pass {
     pub neighbours: Vec<AgentId>,
     /// Their poses at the ends of the N_MPC blocks from this decision on, in the same order.
     pub poses: Vec<Vec<Pose>>,
-    /// With far-sighted plans, the UAVs from which no plan of the last two decisions arrived, by increasing index.
-    /// Before its third decision an agent calls nobody silent.
+    /// How many decisions ago each of these plans was made, in the same order.
+    pub ages: Vec<u32>,
+    /// With far-sighted plans, the UAVs of which no plan counts any more, by increasing index. Before its third decision
+    /// an agent calls nobody silent.
     pub silent: Vec<AgentId>,
 }
 
@@ -78,9 +81,10 @@ pub enum PlanError {
     },
 }
 
-/// A far-sighted plan counts for this many decisions. A UAV whose messages do not arrive does not
-/// tell what it sees either, so ground that is left to it for a minute stays unexplored.
-const FAR_SIGHTED_DECISIONS: u32 = 2;
+/// A plan is recent if it is at most this many decisions old. Unless contact is predicted, a far-sighted plan counts no
+/// longer: a UAV whose messages do not arrive does not tell what it sees either, so ground that is left to it for a minute
+/// stays unexplored.
+pub(super) const RECENT_DECISIONS: u32 = 2;
 
 /// The plans of another UAV.
 #[derive(Debug, Clone, Default)]
@@ -93,6 +97,27 @@ struct Neighbour {
     has_missed: bool,
     /// Its last plan arrived while plans of that decision were still waited for.
     is_prompt: bool,
+    /// The step of its last plan that was passed on.
+    relayed: Option<Step>,
+}
+
+impl Neighbour {
+    /// Keeps a plan if it is the newest one, or the newest one of an earlier decision.
+    fn keep(&mut self, plan: &Plan, is_prompt: bool) {
+        let age = |known: &Option<Plan>| known.as_ref().map(|known| (known.step, known.pass));
+        let stamp = Some((plan.step, plan.pass));
+        if stamp > age(&self.latest) {
+            self.is_prompt = is_prompt;
+            let previous = self.latest.replace(plan.clone());
+            if previous.as_ref().is_some_and(|previous| previous.step < plan.step) {
+                self.earlier = previous;
+            }
+        } else if stamp > age(&self.earlier)
+            && self.latest.as_ref().is_some_and(|latest| plan.step < latest.step)
+        {
+            self.earlier = Some(plan.clone());
+        }
+    }
 }
 
 /// The stage of the current decision.
@@ -117,6 +142,9 @@ pub struct Scheduler {
     timeout_s: f64,
     /// Whether the horizon is so long that the plans of the last decision serve as a first pass.
     far_sighted: bool,
+    /// For how many decisions a far-sighted plan counts.
+    lasts: u32,
+    overlap: ViewOverlap,
     passes: u8,
     /// By index; the own entry stays empty.
     fleet: Vec<Neighbour>,
@@ -150,6 +178,12 @@ impl Scheduler {
             // A decision that takes longer than its block would never be flown.
             timeout_s: guidance.plan_timeout_s.clamp(0.0, 0.99 * guidance.period_s),
             far_sighted,
+            lasts: if config.predicts_contact() {
+                guidance.blocks() as u32
+            } else {
+                RECENT_DECISIONS
+            },
+            overlap: ViewOverlap::new(config),
             passes: if loopback && !far_sighted { 2 } else { 1 },
             fleet: vec![Neighbour::default(); count],
             start: SimTime(0),
@@ -192,20 +226,42 @@ impl Scheduler {
         let is_prompt = now <= SimTime(0).after(waited_s);
         let neighbour = &mut self.fleet[usize::from(from.0)];
         neighbour.has_missed = false;
-        let age = |known: &Option<Plan>| known.as_ref().map(|known| (known.step, known.pass));
-        let stamp = Some((plan.step, plan.pass));
-        if stamp > age(&neighbour.latest) {
-            neighbour.is_prompt = is_prompt;
-            let previous = neighbour.latest.replace(plan.clone());
-            if previous.as_ref().is_some_and(|previous| previous.step < plan.step) {
-                neighbour.earlier = previous;
-            }
-        } else if stamp > age(&neighbour.earlier)
-            && neighbour.latest.as_ref().is_some_and(|latest| plan.step < latest.step)
-        {
-            neighbour.earlier = Some(plan.clone());
+        neighbour.keep(plan, is_prompt);
+        Ok(())
+    }
+
+    /// Plans of other UAVs arrive now that another one passed on. They are not waited for. UAVs that hear of each other
+    /// through a third one give way to each other if that takes no longer than a decision.
+    ///
+    /// # Errors
+    /// Why the first wrong one was rejected; then nothing has changed.
+    pub fn on_relayed(&mut self, now: SimTime, plans: &[RelayedPlan]) -> Result<(), PlanError> {
+        plans.iter().try_for_each(|RelayedPlan { uav, plan }| self.check(*uav, plan))?;
+        for RelayedPlan { uav, plan } in plans {
+            let next = plan.step.after(self.steps_per_block);
+            let waited_s = f64::from(next.0) * self.period_s + self.timeout_s;
+            self.fleet[usize::from(uav.0)].keep(plan, now <= SimTime(0).after(waited_s));
         }
         Ok(())
+    }
+
+    /// The plans to pass on from the pose `own`, by increasing UAV: each recent one once, of UAVs whose views may overlap
+    /// the own ones.
+    pub fn plans_to_relay(&mut self, own: &Pose) -> Vec<RelayedPlan> {
+        let oldest =
+            self.step.0.saturating_sub(self.steps_per_block.saturating_mul(RECENT_DECISIONS));
+        let overlap = self.overlap;
+        let is_of_interest = |plan: &&Plan| {
+            let may_overlap = |pose: &GridPose| overlap.may_see_the_same(own, &Pose::from(*pose));
+            plan.step.0 >= oldest && plan.poses.first().is_some_and(may_overlap)
+        };
+        let relay = |(index, neighbour): (usize, &mut Neighbour)| {
+            let plan = neighbour.latest.as_ref().filter(is_of_interest)?.clone();
+            let is_new = neighbour.relayed < Some(plan.step);
+            neighbour.relayed = Some(plan.step);
+            is_new.then_some(RelayedPlan { uav: AgentId(index as u16), plan })
+        };
+        self.fleet.iter_mut().enumerate().filter_map(relay).collect()
     }
 
     /// Forgets the plans of another UAV, and waits for none of it.
@@ -273,7 +329,8 @@ impl Scheduler {
         if self.awaited().next().is_some() {
             return None;
         }
-        let (mut neighbours, mut poses, mut silent) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut neighbours, mut poses, mut ages) = (Vec::new(), Vec::new(), Vec::new());
+        let mut silent = Vec::new();
         for index in self.accounted_for(pass) {
             let id = AgentId(index as u16);
             if let Some(plan) = self.known_plan(index) {
@@ -284,11 +341,12 @@ impl Scheduler {
                 neighbours.push(id);
                 let planned: Vec<Pose> = plan.poses.iter().copied().map(Pose::from).collect();
                 poses.push(self.motion.forecast(&planned, elapsed as usize, self.blocks));
+                ages.push(elapsed);
             } else if self.far_sighted && self.has_decided_often() {
                 silent.push(id);
             }
         }
-        Some(Pass { step: self.step, pass, neighbours, poses, silent })
+        Some(Pass { step: self.step, pass, neighbours, poses, ages, silent })
     }
 
     /// The UAVs whose plans the current pass builds on and waits for.
@@ -343,12 +401,13 @@ impl Scheduler {
 
     /// Whether there was time for a plan to arrive since the first decision of this agent.
     fn has_decided_often(&self) -> bool {
-        self.first.is_some_and(|first| first.after(self.lasts()) <= self.step)
+        let decisions = self.steps_per_block.saturating_mul(RECENT_DECISIONS);
+        self.first.is_some_and(|first| first.after(decisions) <= self.step)
     }
 
     /// For how many steps a far-sighted plan counts.
     fn lasts(&self) -> u32 {
-        self.steps_per_block.saturating_mul(FAR_SIGHTED_DECISIONS)
+        self.steps_per_block.saturating_mul(self.lasts)
     }
 
     /// The newest usable plan of another UAV: none of a later decision, and in the asynchronous

@@ -330,6 +330,88 @@ fn who_does_not_plan_is_silent_after_two_decisions() {
     }
 }
 
+/// UAV 1 of four under `str5` with a range, at its decision at `step`.
+fn relay(step: Step) -> Scheduler {
+    let mut config = config(1, 4, Schedule::SequentialLoopback);
+    config.guidance.criterion = Criterion::Str5;
+    config.guidance.plan_timeout_s = 0.0;
+    config.radio_range_m = 100.0;
+    let mut scheduler = Scheduler::new(&config);
+    scheduler.on_instant(SimTime(0).after(f64::from(step.0) * config.period_s));
+    scheduler
+}
+
+fn hear(scheduler: &mut Scheduler, uav: u16, plan: Plan) -> Result<(), PlanError> {
+    scheduler.on_relayed(SimTime(0), &[RelayedPlan { uav: AgentId(uav), plan }])
+}
+
+fn relayed(scheduler: &mut Scheduler) -> Vec<(u16, u32)> {
+    let plans = scheduler.plans_to_relay(&pose(0, Step(0), 0, 0));
+    plans.iter().map(|RelayedPlan { uav, plan }| (uav.0, plan.step.0)).collect()
+}
+
+#[test]
+fn each_recent_plan_of_a_uav_nearby_is_passed_on_once() {
+    let mut scheduler = relay(Step(12));
+    let near = |agent, step| Plan { poses: plan(0, Step(0), 0).poses, ..plan(agent, step, 0) };
+    scheduler.on_plan(SimTime(0), AgentId(0), &near(0, Step(6))).unwrap();
+    hear(&mut scheduler, 3, near(3, Step(0))).unwrap();
+    scheduler.on_plan(SimTime(0), AgentId(2), &plan(2, Step(6), 0)).unwrap();
+    assert_eq!(relayed(&mut scheduler), [(0, 6), (3, 0)], "UAV 2 is 2 km away");
+    assert_eq!(relayed(&mut scheduler), []);
+    scheduler.on_plan(SimTime(0), AgentId(0), &near(0, Step(12))).unwrap();
+    hear(&mut scheduler, 3, near(3, Step(0))).unwrap();
+    assert_eq!(relayed(&mut scheduler), [(0, 12)], "only what is new");
+    scheduler.on_instant(SimTime::from_seconds(9.0));
+    hear(&mut scheduler, 2, near(2, Step(0))).unwrap();
+    assert_eq!(relayed(&mut scheduler), [], "that plan is three decisions old");
+}
+
+/// A plan that was passed on counts as one from its UAV, unless a newer one was heard, and nobody waits for the next.
+#[test]
+fn a_plan_that_was_passed_on_counts_and_is_not_waited_for() {
+    let mut scheduler = relay(Step(12));
+    hear(&mut scheduler, 0, plan(0, Step(6), 0)).unwrap();
+    scheduler.on_plan(SimTime(0), AgentId(2), &plan(2, Step(12), 0)).unwrap();
+    hear(&mut scheduler, 2, plan(2, Step(6), 0)).unwrap();
+    scheduler.on_timeout(SimTime::from_seconds(6.0));
+    let pass = scheduler.ready().unwrap();
+    assert_eq!(
+        (&pass.neighbours[..], &pass.ages[..]),
+        (&[AgentId(0), AgentId(2)][..], &[1, 0][..])
+    );
+    scheduler.on_own_plan(&plan(1, Step(12), 0));
+    hear(&mut scheduler, 0, plan(0, Step(12), 0)).unwrap();
+    scheduler.on_instant(SimTime::from_seconds(9.0));
+    assert!(scheduler.ready().is_some(), "it has not been heard itself since it missed a deadline");
+    let from_afar = hear(&mut scheduler, 0, plan(0, Step(600), 0)).unwrap_err();
+    assert!(matches!(from_afar, PlanError::NoSuchDecision { .. }), "{from_afar}");
+    assert!(hear(&mut scheduler, 1, plan(1, Step(12), 0)).is_err(), "its own plan");
+}
+
+/// Where contact is predicted a plan counts as far as it reaches, and elsewhere for two decisions.
+#[test]
+fn with_a_range_plans_of_str5_count_to_their_end() {
+    for (range_m, last) in [(100.0, 20), (f64::INFINITY, 2)] {
+        let mut config = config(1, 2, Schedule::SequentialLoopback);
+        config.guidance.criterion = Criterion::Str5;
+        config.guidance.plan_timeout_s = 0.0;
+        config.radio_range_m = range_m;
+        let mut scheduler = Scheduler::new(&config);
+        scheduler.on_plan(SimTime(0), AgentId(0), &plan(0, Step(0), 0)).unwrap();
+        let counts = |decision: u32| {
+            let now = SimTime::from_seconds(3.0 * f64::from(decision));
+            scheduler.on_instant(now);
+            scheduler.on_timeout(now);
+            let pass = scheduler.ready().unwrap();
+            assert_eq!(pass.silent.is_empty(), decision < 2 || !pass.neighbours.is_empty());
+            !pass.neighbours.is_empty()
+        };
+        let counted: Vec<bool> = (0..24).map(counts).collect();
+        assert_eq!(counted.iter().rposition(|counts| *counts), Some(last), "{range_m}");
+    }
+}
+
 /// One decision after the other with a delay: a UAV accounts for one that plans after it only if that one could take
 /// the new plan into account.
 #[test]

@@ -60,6 +60,8 @@ impl Scene {
             wanted: &self.wanted,
             margin: &self.margin,
             hidden_now: &self.hidden_now,
+            neighbours: &[],
+            plan_ages: &[],
             silent: &[],
             neighbours_hidden_now: &[],
             hidden_recent: &self.hidden_recent,

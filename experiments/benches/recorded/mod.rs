@@ -187,7 +187,7 @@ fn read(letters: &[Vec<u8>]) -> (Vec<ReceivedFact>, Vec<Vec<Pose>>) {
             Message::Plan(plan) if plan.pass == 0 => {
                 plans.push(plan.poses.into_iter().map(Pose::from).collect());
             }
-            Message::Plan(_) | Message::Snapshot(_) => {}
+            Message::Plan(_) | Message::Relay(_) | Message::Snapshot(_) => {}
         }
     }
     (facts, plans)

@@ -56,6 +56,8 @@ fn decide(planner: &mut Planner, moment: &Moment, passes: usize) -> Option<Decis
         wanted: &rasters.wanted,
         margin: &rasters.margin,
         hidden_now: &moment.measured.hidden,
+        neighbours: &[],
+        plan_ages: &[],
         silent: &[],
         neighbours_hidden_now: &neighbours_hidden_now,
         hidden_recent: &rasters.hidden_recently,

@@ -115,6 +115,7 @@ fn kind(message: Option<&Message>) -> &'static str {
         Some(Message::Fact(_)) => "fact",
         Some(Message::Snapshot(_)) => "snapshot",
         Some(Message::Plan(_)) => "plan",
+        Some(Message::Relay(_)) => "relay",
         None => "unknown",
     }
 }
@@ -139,6 +140,9 @@ fn describe(envelope: &Envelope, message: Option<&Message>) -> String {
             plan.pass,
             counted(plan.poses.len(), "pose")
         ),
+        Some(Message::Relay(relay)) => {
+            format!(" of step {}, {}", relay.step, counted(relay.plans.len(), "plan"))
+        }
         None => format!(", {} B", envelope.body.len()),
     };
     format!(

@@ -15,7 +15,7 @@ mod targets;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-use csat_agent::config::{EstimatorConfig, GuidanceConfig, Objective, Str5Config};
+use csat_agent::config::{Criterion, EstimatorConfig, GuidanceConfig, Objective};
 use csat_agent::guidance::airspace::turning_room_m;
 use csat_proto::model::VehicleKind;
 
@@ -315,21 +315,12 @@ fn guidance(check: &mut Check, guidance: &GuidanceConfig, period_s: Option<f64>)
     check.whole("guidance.str4.beam", guidance.str4.beam);
     check.whole("guidance.str4.first_look", guidance.str4.first_look);
     check.that(
-        guidance.objective == Objective::Own || guidance.criterion.is_far_sighted(),
+        guidance.objective == Objective::Own || guidance.criterion == Criterion::Str4,
         &["guidance.objective", "guidance.criterion"],
         "fleet",
-        "\"own\", as guidance.criterion is neither \"str4\" nor \"str5\"",
+        "\"own\", as guidance.criterion is not \"str4\"",
     );
     check.share("guidance.str4.silent", guidance.str4.silent);
-    let Str5Config { reach, apart } = guidance.str5;
-    let is_share = reach > 0.0 && reach <= 1.0;
-    check.that(
-        is_share,
-        &["guidance.str5.reach"],
-        &reach.to_string(),
-        "a share above 0 and up to 1",
-    );
-    check.share("guidance.str5.apart", apart);
     let increments = &guidance.increments_deg;
     let valid = increments.iter().all(|u| u.abs() <= 180.0);
     let got = if increments.is_empty() { "empty".to_owned() } else { format!("{increments:?}") };

@@ -178,7 +178,7 @@ pub fn seeds() -> Vec<(&'static str, String, Vec<u8>)> {
                 keep("fact", postcard::to_stdvec(&snapshot.fact).ok());
                 keep("snapshot", postcard::to_stdvec(&snapshot).ok());
             }
-            Message::Plan(_) => {}
+            Message::Plan(_) | Message::Relay(_) => {}
         }
     }
     for shipped in scenario::shipped::SCENARIOS {

@@ -66,6 +66,6 @@ fn fact_of(message: &Message) -> Option<(&Fact, bool)> {
     match message {
         Message::Fact(fact) => Some((fact, false)),
         Message::Snapshot(snapshot) => Some((&snapshot.fact, true)),
-        Message::Plan(_) => None,
+        Message::Plan(_) | Message::Relay(_) => None,
     }
 }

@@ -64,7 +64,7 @@ impl<'a> Settling<'a> {
                 self.said.insert(src);
                 snapshot.fact
             }
-            Ok(Message::Plan(_)) | Err(_) => return,
+            Ok(Message::Plan(_) | Message::Relay(_)) | Err(_) => return,
         };
         let uavs = self.draw.scenario.agents.count;
         let of_uavs = fact.held.facts.into_iter().filter(|held| held.origin.0 < uavs);

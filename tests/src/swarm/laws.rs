@@ -181,7 +181,7 @@ impl Laws {
                 self.check_fact(src, &snapshot.fact)?;
                 self.check_known(src, &snapshot.known)
             }
-            Message::Plan(_) => Ok(()),
+            Message::Plan(_) | Message::Relay(_) => Ok(()),
         }
         .map_err(|law| format!("UAV {src} said: {law}"))
     }

@@ -54,7 +54,7 @@ fn decode(bytes: &[u8]) -> Option<ReceivedFact> {
     let (fact, known) = match postcard::from_bytes(&body).ok()? {
         Message::Fact(fact) => (fact, None),
         Message::Snapshot(snapshot) => (snapshot.fact, Some(snapshot.known)),
-        Message::Plan(_) => return None,
+        Message::Plan(_) | Message::Relay(_) => return None,
     };
     Some(ReceivedFact {
         src,

@@ -1,11 +1,12 @@
 //! Messages that are not believed are dropped, counted by reason, reported once, and change nothing.
 
 use csat_agent::agent::{DropReason, Event, SetMembershipAgent};
+use csat_agent::config::Criterion;
 use csat_agent::exchange::validate::Rejection;
 use csat_proto::agent::{Agent, MAX_MESSAGE_BYTES};
 use csat_proto::envelope::{Envelope, EnvelopeError};
 use csat_proto::ids::{AgentId, Incarnation, RunId, TargetId};
-use csat_proto::message::HeldFacts;
+use csat_proto::message::{HeldFacts, Message, Plan, Relay, RelayedPlan};
 use csat_proto::oem::{OemCell, OemDelta, OemPatch};
 use csat_proto::raster::{Grid, Raster};
 use csat_proto::region::Region;
@@ -37,6 +38,8 @@ fn every_reason(reason: &DropReason) {
         | Rejection::Future { .. }
         | Rejection::TooOld { .. }
         | Rejection::Malformed
+        | Rejection::Relay
+        | Rejection::RelayOrder
         | Rejection::Step { .. }
         | Rejection::KnownStep { .. }
         | Rejection::TooManyVertices { .. }
@@ -280,6 +283,42 @@ fn spoilt_plans_are_rejected() {
     bench.expect("plan", &bench.plan(|p| p.pass = 2));
     bench.expect("plan", &bench.plan(|p| p.poses.clear()));
     bench.expect("plan", &bench.plan(|p| p.poses = vec![p.poses[0]; 256]));
+}
+
+/// Plans of UAVs 0, 2 and 3 that UAV 1 passes on at the start, to UAV 0 of a fleet under this planner.
+fn relay_to(
+    criterion: Criterion,
+    liars: u16,
+    spoil: impl FnOnce(&mut Relay),
+) -> SetMembershipAgent {
+    let bench = Bench::new();
+    let mut config = bench.agent.config().clone();
+    (config.fleet.count, config.radio_range_m) = (4, 100.0);
+    (config.guidance.criterion, config.exchange.liars) = (criterion, liars);
+    let mut agent = SetMembershipAgent::new(&config);
+    let plan = Plan { step: Step(0), pass: 0, poses: vec![bench.envelope.pose; 20] };
+    let plans = [0, 2, 3].map(|id| RelayedPlan { uav: AgentId(id), plan: plan.clone() });
+    let mut relay = Relay { step: Step(0), plans: plans.to_vec() };
+    spoil(&mut relay);
+    let body = postcard::to_stdvec(&Message::Relay(relay)).unwrap();
+    agent.hear(bench.now, &bench.header(|e| (e.step, e.body) = (Step(0), body)));
+    agent
+}
+
+#[test]
+fn spoilt_relays_are_rejected() {
+    let reasons = |agent: SetMembershipAgent| -> Vec<(&'static str, u64)> {
+        agent.rejected().iter().map(|(reason, count)| (*reason, *count)).collect()
+    };
+    assert_eq!(reasons(relay_to(Criterion::Str5, 0, |_| {})), [], "the own plan is skipped");
+    assert_eq!(reasons(relay_to(Criterion::Str4, 0, |_| {})), [("relay", 1)]);
+    assert_eq!(reasons(relay_to(Criterion::Str5, 1, |_| {})), [("relay", 1)], "who may lie");
+    let spoilt = |spoil: fn(&mut Relay)| reasons(relay_to(Criterion::Str5, 0, spoil));
+    assert_eq!(spoilt(|r| r.plans.swap(1, 2)), [("relay-order", 1)]);
+    assert_eq!(spoilt(|r| r.plans[2].uav = AgentId(2)), [("relay-order", 1)], "twice");
+    assert_eq!(spoilt(|r| r.plans[2].uav = AgentId(4)), [("plan", 1)], "no such UAV");
+    assert_eq!(spoilt(|r| r.plans[1].plan.pass = 1), [("plan", 1)]);
+    assert_eq!(spoilt(|r| r.step = Step(1)), [("step", 1)]);
 }
 
 /// Damaged bodies with a correct checksum, as a malicious sender makes them. They cause no panic,
