@@ -528,7 +528,7 @@ impl Agent for SetMembershipAgent {
             Ok(Received::Relay { from, incarnation, mut plans }) => {
                 let own = self.config.id;
                 plans.retain(|relayed| relayed.uav != own);
-                match self.scheduler.on_relayed(self.now, &plans) {
+                match self.scheduler.on_relayed(&plans) {
                     Ok(()) => {
                         self.receiver.believe(from, incarnation);
                         self.plan_arrived |= !self.config.is_station();

@@ -230,17 +230,15 @@ impl Scheduler {
         Ok(())
     }
 
-    /// Plans of other UAVs arrive now that another one passed on. They are not waited for. UAVs that hear of each other
-    /// through a third one give way to each other if that takes no longer than a decision.
+    /// Plans of other UAVs arrive that another one passed on. They are not waited for. UAVs that hear of each other through
+    /// a third one account for each other, whoever plans first.
     ///
     /// # Errors
     /// Why the first wrong one was rejected; then nothing has changed.
-    pub fn on_relayed(&mut self, now: SimTime, plans: &[RelayedPlan]) -> Result<(), PlanError> {
+    pub fn on_relayed(&mut self, plans: &[RelayedPlan]) -> Result<(), PlanError> {
         plans.iter().try_for_each(|RelayedPlan { uav, plan }| self.check(*uav, plan))?;
         for RelayedPlan { uav, plan } in plans {
-            let next = plan.step.after(self.steps_per_block);
-            let waited_s = f64::from(next.0) * self.period_s + self.timeout_s;
-            self.fleet[usize::from(uav.0)].keep(plan, now <= SimTime(0).after(waited_s));
+            self.fleet[usize::from(uav.0)].keep(plan, true);
         }
         Ok(())
     }

@@ -342,7 +342,7 @@ fn relay(step: Step) -> Scheduler {
 }
 
 fn hear(scheduler: &mut Scheduler, uav: u16, plan: Plan) -> Result<(), PlanError> {
-    scheduler.on_relayed(SimTime(0), &[RelayedPlan { uav: AgentId(uav), plan }])
+    scheduler.on_relayed(&[RelayedPlan { uav: AgentId(uav), plan }])
 }
 
 fn relayed(scheduler: &mut Scheduler) -> Vec<(u16, u32)> {
