@@ -15,7 +15,7 @@ use csat_proto::command::Command;
 use csat_proto::envelope::Envelope;
 use csat_proto::frame::Frame;
 use csat_proto::grid_pose::GridPose;
-use csat_proto::ids::{AgentId, TargetId};
+use csat_proto::ids::{AgentId, Incarnation, TargetId};
 use csat_proto::message::{Digest, Fact, Plan, Relay};
 use csat_proto::radio::Reception;
 use csat_proto::raster::Raster;
@@ -33,7 +33,7 @@ use crate::exchange::validate::Rejection;
 use crate::exchange::version_vector::VersionVector;
 use crate::guidance::airspace::{Airspace, WayOut};
 use crate::guidance::schedule::{Pass, Scheduler};
-use crate::guidance::{Decision, Planner, PlannerInput};
+use crate::guidance::{Decision, PlanError, Planner, PlannerInput};
 use crate::identity::Identity;
 use crate::mutant::{Mutant, is_on};
 use crate::sense::{Measured, Sensor};
@@ -425,6 +425,23 @@ impl SetMembershipAgent {
         }
     }
 
+    /// Believes a sender whose plans the scheduler has taken, and rejects the others.
+    fn believe_plans(
+        &mut self,
+        from: AgentId,
+        incarnation: Incarnation,
+        taken: Result<(), PlanError>,
+    ) {
+        match taken {
+            Ok(()) => {
+                self.receiver.believe(from, incarnation);
+                // No decision of a station waits for it.
+                self.plan_arrived |= !self.config.is_station();
+            }
+            Err(error) => self.reject(Some(from), &error.into()),
+        }
+    }
+
     /// Passes on the plans that arrived since the last decision, unless the budget is used up.
     fn relay_plans(&mut self, step: Step) {
         if self.config.relays_plans() && self.transmitter.has_credit() {
@@ -516,25 +533,13 @@ impl Agent for SetMembershipAgent {
                 }
             }
             Ok(Received::Plan { from, incarnation, plan }) => {
-                match self.scheduler.on_plan(self.now, from, &plan) {
-                    Ok(()) => {
-                        self.receiver.believe(from, incarnation);
-                        // No decision of a station waits for it.
-                        self.plan_arrived |= !self.config.is_station();
-                    }
-                    Err(error) => self.reject(Some(from), &error.into()),
-                }
+                let taken = self.scheduler.on_plan(self.now, from, &plan);
+                self.believe_plans(from, incarnation, taken);
             }
             Ok(Received::Relay { from, incarnation, mut plans }) => {
-                let own = self.config.id;
-                plans.retain(|relayed| relayed.uav != own);
-                match self.scheduler.on_relayed(&plans) {
-                    Ok(()) => {
-                        self.receiver.believe(from, incarnation);
-                        self.plan_arrived |= !self.config.is_station();
-                    }
-                    Err(error) => self.reject(Some(from), &error.into()),
-                }
+                plans.retain(|relayed| relayed.uav != self.config.id);
+                let taken = self.scheduler.on_relayed(&plans);
+                self.believe_plans(from, incarnation, taken);
             }
             Ok(Received::Repeat) => {}
             Err(rejection) => self.reject(self.sender_of(bytes), &rejection.into()),

@@ -121,7 +121,7 @@ impl Connectivity {
 
     /// Whether a UAV that flies by its plan will be in contact at once, at the end of the next block at the latest.
     fn should_be_heard(&self, own: &Pose, plan: &[Pose]) -> bool {
-        plan.first().is_none_or(|pose| gap_m(&[pose.p_world], own.p_world) <= self.range_m)
+        plan.first().is_none_or(|pose| self.is_in_range(&[pose.p_world], own.p_world))
     }
 
     /// The groups at the end of a block, whose members have told each other what they know.
@@ -129,7 +129,7 @@ impl Connectivity {
         let mut groups: Vec<(Vec<usize>, Group)> = Vec::new();
         for (index, other) in others.iter().enumerate() {
             let Some(position) = other.poses.get(block).map(|pose| pose.p_world) else { continue };
-            let is_near = |group: &Group| gap_m(&group.positions, position) <= self.range_m;
+            let is_near = |group: &Group| self.is_in_range(&group.positions, position);
             let (near, apart): (Vec<_>, Vec<_>) =
                 groups.into_iter().partition(|(_, group)| is_near(group));
             let mut joined =
@@ -156,9 +156,16 @@ impl Connectivity {
 
     /// The groups that a UAV at this position at the end of a block hears, by their place among the groups of the block.
     pub(super) fn heard(&self, block: usize, position: [f64; 3]) -> Vec<usize> {
-        let is_heard = |group: &Group| gap_m(&group.positions, position) <= self.range_m;
+        let is_heard = |group: &Group| self.is_in_range(&group.positions, position);
         let groups = self.groups.get(block).into_iter().flatten().enumerate();
         groups.filter(|(_, group)| is_heard(group)).map(|(index, _)| index).collect()
+    }
+
+    /// Whether a position is within range of one of a group.
+    fn is_in_range(&self, group: &[[f64; 3]], [x, y, z]: [f64; 3]) -> bool {
+        let square =
+            |at: &[f64; 3]| (at[0] - x).powi(2) + (at[1] - y).powi(2) + (at[2] - z).powi(2);
+        group.iter().any(|at| square(at).sqrt() <= self.range_m)
     }
 
     /// Takes from X^Δ at the end of a block what these groups have seen.
@@ -167,13 +174,6 @@ impl Connectivity {
             unexplored.intersect_with(&self.groups[block][index].unexplored);
         }
     }
-}
-
-/// The distance of a position to the nearest one of a group, metres.
-fn gap_m(group: &[[f64; 3]], [x, y, z]: [f64; 3]) -> f64 {
-    let squares =
-        group.iter().map(|at| (at[0] - x).powi(2) + (at[1] - y).powi(2) + (at[2] - z).powi(2));
-    squares.fold(f64::INFINITY, f64::min).sqrt()
 }
 
 #[cfg(test)]
