@@ -29,8 +29,8 @@ sweep range city --vary netem.radio.range_m=25,50,100,200,inf --vary "guidance.c
 SEEDS=${SEEDS:-2001..2020} sweep fresh city --vary guidance.criterion=str4,str5 --set netem.radio.range_m=100 --no-baseline
 sweep range-fleet city --vary netem.radio.range_m=25,50,100,200 --vary guidance.objective=own,fleet \
     --set guidance.criterion=str4 --no-baseline
-sweep range-town helsinki-05 --vary netem.radio.range_m=50,100,200,inf --vary 'guidance.criterion=str3,str5'
-sweep range-8 city --vary netem.radio.range_m=50,100 --vary 'guidance.criterion=str3,str5' --set agents.count=8 --no-baseline
+sweep range-town helsinki-05 --vary netem.radio.range_m=50,100,200,inf --vary "$planners"
+sweep range-8 city --vary netem.radio.range_m=50,100 --vary "$planners" --set agents.count=8 --no-baseline
 sweep delay city --vary netem.radio.delay.mean_s=1,3,10 --vary "$planners"
 # The same share of messages lost one by one, and in bursts of ten on average.
 losses='netem.radio.loss=iid-60:{model="iid",p=0.6},bursts-60:{model="gilbert-elliott",p=0.15,r=0.1},iid-90:{model="iid",p=0.9},bursts-90:{model="gilbert-elliott",p=0.9,r=0.1}'

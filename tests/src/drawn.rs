@@ -155,6 +155,7 @@ fn guidance(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
             Criterion::Str2,
             Criterion::Str3,
             Criterion::Str4,
+            Criterion::Str5,
             Criterion::Circles,
             Criterion::Lawnmower,
         ],

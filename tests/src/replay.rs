@@ -122,10 +122,20 @@ impl Seeds {
     }
 }
 
-/// `CSAT_SEEDS`: how many, or from..to.
-fn range() -> Option<Range<u64>> {
-    let text = std::env::var("CSAT_SEEDS").ok()?;
-    let (from, to) = text.split_once("..").unwrap_or(("0", &text));
+/// The seeds of `CSAT_SEEDS`, if it is set: how many, or from..to.
+///
+/// # Panics
+/// When there is something else in it.
+pub fn range() -> Option<Range<u64>> {
+    let text = std::env::var_os("CSAT_SEEDS")?;
+    let seeds = text.to_str().and_then(range_of).filter(|seeds| !seeds.is_empty());
+    Some(seeds.unwrap_or_else(|| {
+        panic!("CSAT_SEEDS={text:?}: expected how many seeds, such as 1000, or a range, such as 500..700")
+    }))
+}
+
+fn range_of(text: &str) -> Option<Range<u64>> {
+    let (from, to) = text.split_once("..").unwrap_or(("0", text));
     Some(from.parse().ok()?..to.parse().ok()?)
 }
 

@@ -9,6 +9,7 @@
 //! ([`super::objective`]). Ground that another UAV sees is seen to this one at once; to `str5`, where radios have a range,
 //! when it hears of it ([`super::connectivity`]).
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use csat_proto::camera::Pose;
@@ -67,10 +68,10 @@ struct Candidate {
 
 /// X^Δ at the end of a block before the own look, after a parent and for the children that hear the same.
 #[derive(Debug, Clone)]
-struct Before {
+struct Before<'a> {
     /// The groups that tell what they have seen ([`Connectivity::heard`]).
     heard: Vec<usize>,
-    set: Raster,
+    set: Cow<'a, Raster>,
     /// Of the set, units of 1 / [`FULL`] cells.
     cost: i64,
 }
@@ -207,16 +208,16 @@ impl Beam {
 
     /// The children of `beam` in a block, and X^Δ before their looks; `sets` are those of their parents, without what
     /// others tell.
-    fn children(
+    fn children<'a>(
         &mut self,
         input: &PlannerInput<'_>,
         beam: &[Candidate],
-        sets: &[Raster],
+        sets: &'a [Raster],
         block: usize,
         kind: BlockKind,
-    ) -> (Vec<Candidate>, Vec<Before>) {
+    ) -> (Vec<Candidate>, Vec<Before<'a>>) {
         let mut children = Vec::with_capacity(beam.len() * self.increments.len());
-        let mut befores: Vec<Before> = Vec::with_capacity(beam.len());
+        let mut befores: Vec<Before<'_>> = Vec::with_capacity(beam.len());
         for (parent, (candidate, set)) in beam.iter().zip(sets).enumerate() {
             let first_before = befores.len();
             let choices = input.choices(&self.increments, &candidate.pose, kind);
@@ -241,10 +242,10 @@ impl Beam {
     }
 
     /// X^Δ before the own look, for children that hear these groups; `set` is that of their parent.
-    fn before(&self, block: usize, heard: Vec<usize>, set: &Raster) -> Before {
-        let mut set = set.clone();
-        if let Some(connectivity) = &self.connectivity {
-            connectivity.tell(block, &heard, &mut set);
+    fn before<'a>(&self, block: usize, heard: Vec<usize>, set: &'a Raster) -> Before<'a> {
+        let mut set = Cow::Borrowed(set);
+        if let Some(connectivity) = self.connectivity.as_ref().filter(|_| !heard.is_empty()) {
+            connectivity.tell(block, &heard, set.to_mut());
         }
         let cost = self.ground_cost.of(&set);
         Before { heard, set, cost }
@@ -261,8 +262,8 @@ impl Beam {
     }
 
     /// X^Δ after the last look of `candidate`.
-    fn after_look(&mut self, candidate: &Candidate, befores: &[Before]) -> Raster {
-        let mut set = befores[candidate.before].set.clone();
+    fn after_look(&mut self, candidate: &Candidate, befores: &[Before<'_>]) -> Raster {
+        let mut set = befores[candidate.before].set.clone().into_owned();
         self.rounded_views.look(candidate.place).take_from(&mut set);
         self.first_looks.look(candidate.place).take_from(&mut set);
         set

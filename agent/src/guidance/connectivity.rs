@@ -28,10 +28,18 @@ pub(super) struct Connectivity {
     /// Up to this distance UAVs are in contact, metres.
     range_m: f64,
     overlap: ViewOverlap,
-    /// X^Δ of the other UAVs at the end of the first block of the last decision.
-    unexplored: BTreeMap<AgentId, Raster>,
+    /// The other UAVs as the last decision predicted them for the next one.
+    expected: BTreeMap<AgentId, Expected>,
     /// Per block, the groups of the others.
     groups: Vec<Vec<Group>>,
+}
+
+/// Another UAV at the end of the first block of a decision.
+#[derive(Debug, Clone)]
+struct Expected {
+    pose: Pose,
+    /// Its X^Δ.
+    unexplored: Raster,
 }
 
 /// Another UAV as it is predicted.
@@ -52,6 +60,14 @@ struct Group {
     unexplored: Raster,
 }
 
+impl Other {
+    /// What to expect of it at the next decision.
+    fn expected(&self) -> Option<(AgentId, Expected)> {
+        let pose = *self.poses.first()?;
+        Some((self.id, Expected { pose, unexplored: self.unexplored.clone() }))
+    }
+}
+
 impl Connectivity {
     /// The contact that `str5` predicts; `None` where contact does not matter ([`AgentConfig::predicts_contact`]).
     pub(super) fn new(config: &AgentConfig) -> Option<Self> {
@@ -59,7 +75,7 @@ impl Connectivity {
             id: config.id,
             range_m: config.radio_range_m,
             overlap: ViewOverlap::new(config),
-            unexplored: BTreeMap::new(),
+            expected: BTreeMap::new(),
             groups: Vec::new(),
         })
     }
@@ -76,7 +92,7 @@ impl Connectivity {
     ) {
         let blocks = plans.iter().map(Vec::len).max().unwrap_or(0);
         let mut others = self.others(input, own, plans, wanted);
-        self.unexplored.clear();
+        self.expected.clear();
         self.groups = (0..blocks)
             .map(|block| {
                 for other in &mut others {
@@ -84,8 +100,7 @@ impl Connectivity {
                 }
                 let groups = self.meet(&mut others, block);
                 if block == 0 {
-                    let known = others.iter().map(|other| (other.id, other.unexplored.clone()));
-                    self.unexplored = known.collect();
+                    self.expected = others.iter().filter_map(Other::expected).collect();
                 }
                 groups
             })
@@ -105,23 +120,21 @@ impl Connectivity {
         for ((plan, &id), &age) in plans.iter().zip(input.neighbours).zip(input.plan_ages) {
             let left = plan.len().saturating_sub(age as usize);
             let poses = plan[..left].to_vec();
-            let last = self.unexplored.get(&id);
+            let expected = self.expected.get(&id);
+            let is_out_of_reach =
+                |other: &Expected| !self.is_in_range(&[other.pose.p_world], own.p_world);
             if !poses.iter().any(|pose| self.overlap.may_see_the_same(own, pose))
-                || age > RECENT_DECISIONS && (last.is_none() || self.should_be_heard(own, &poses))
+                || age > RECENT_DECISIONS && !expected.is_some_and(is_out_of_reach)
             {
                 continue;
             }
             // In contact now, it knows what this UAV knows. A UAV that plans later has only told its last plan yet.
             let is_in_contact = age <= u32::from(id > self.id);
-            let unexplored = last.filter(|_| !is_in_contact).unwrap_or(wanted).clone();
+            let expected = expected.filter(|_| !is_in_contact);
+            let unexplored = expected.map_or(wanted, |other| &other.unexplored).clone();
             others.push(Other { id, poses, unexplored });
         }
         others
-    }
-
-    /// Whether a UAV that flies by its plan will be in contact at once, at the end of the next block at the latest.
-    fn should_be_heard(&self, own: &Pose, plan: &[Pose]) -> bool {
-        plan.first().is_none_or(|pose| self.is_in_range(&[pose.p_world], own.p_world))
     }
 
     /// The groups at the end of a block, whose members have told each other what they know.

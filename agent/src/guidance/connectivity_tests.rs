@@ -79,8 +79,12 @@ fn a_silent_uav_is_expected_back_by_its_plan() {
     assert_eq!(at_age(1, 2, 0.0), [1, 2], "a UAV that plans later is still in contact");
     assert_eq!(at_age(2, 2, 0.0), [2, 2], "it remembers the cell at 165 m");
     assert_eq!(at_age(3, 2, 0.0), [2, 3]);
-    assert_eq!(at_age(4, 2, 0.0), [3, 0], "then the plan ends");
-    assert_eq!(at_age(3, 2, 100.0), [0, 0], "it should be heard and is not");
+    assert_eq!(
+        at_age(4, 2, 70.0),
+        [3, 0],
+        "it is out of reach until the end of the block, when the plan ends"
+    );
+    assert_eq!(at_age(3, 2, 70.0), [0, 0], "it should be heard and is not");
     assert_eq!(at_age(3, 2, 0.0), [0, 0], "so nobody knows where it is");
     assert_eq!(at_age(2, 0, 0.0), [1, 2], "a recent plan counts");
 }

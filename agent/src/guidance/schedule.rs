@@ -378,12 +378,13 @@ impl Scheduler {
     }
 
     /// Whether plans of a UAV may change those of this one. With far-sighted plans a UAV accounts for the last plan of one
-    /// that plans after it, which in turn accounts for the new plan. If messages take longer than plans are waited for,
-    /// it cannot: both would leave the same ground to each other, and at the next decision both would fly to it. Then
-    /// only the one that plans later gives way.
+    /// that plans after it, which in turn accounts for the new plan. If messages take longer than plans are waited for, or
+    /// nobody waits, it cannot: both would leave the same ground to each other, and at the next decision both would fly to
+    /// it. Then only the one that plans later gives way.
     fn gives_way(&self, index: usize) -> bool {
-        let is_in_turn = self.far_sighted && self.schedule != Schedule::Asynchronous;
-        !is_in_turn || index < self.own || self.fleet[index].is_prompt
+        let is_heard_in_time =
+            self.schedule != Schedule::Asynchronous && self.fleet[index].is_prompt;
+        !self.far_sighted || index < self.own || is_heard_in_time
     }
 
     /// The UAVs that a pass accounts for: with far-sighted plans of the last decision also those

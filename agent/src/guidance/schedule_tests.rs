@@ -415,10 +415,15 @@ fn with_a_range_plans_of_str5_count_to_their_end() {
 /// One decision after the other with a delay: a UAV accounts for one that plans after it only if that one could take
 /// the new plan into account.
 #[test]
-fn of_two_with_a_slow_link_the_later_gives_way() {
-    for (delay_s, heard) in [(0.3, vec![1]), (1.0, vec![])] {
+fn of_two_that_do_not_hear_each_other_in_time_the_later_gives_way() {
+    let cases = [
+        (Schedule::SequentialLoopback, 0.3, vec![1]),
+        (Schedule::SequentialLoopback, 1.0, vec![]),
+        (Schedule::Asynchronous, 0.3, vec![]),
+    ];
+    for (schedule, delay_s, heard) in cases {
         for (own, other, expected) in [(0, 1, heard), (1, 0, vec![0])] {
-            let mut config = config(own, 2, Schedule::SequentialLoopback);
+            let mut config = config(own, 2, schedule);
             config.guidance.criterion = Criterion::Str4;
             let mut scheduler = Scheduler::new(&config);
             for decision in 0..3 {
