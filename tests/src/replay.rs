@@ -65,7 +65,7 @@ impl Seeds {
         if let Some(seed) = picked() {
             return vec![seed];
         }
-        if let Some(range) = range() {
+        if let Some(range) = asked_range() {
             return range.collect();
         }
         let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
@@ -126,11 +126,11 @@ impl Seeds {
 ///
 /// # Panics
 /// When there is something else in it.
-pub fn range() -> Option<Range<u64>> {
+pub fn asked_range() -> Option<Range<u64>> {
     let text = std::env::var_os("CSAT_SEEDS")?;
     let seeds = text.to_str().and_then(range_of).filter(|seeds| !seeds.is_empty());
     Some(seeds.unwrap_or_else(|| {
-        panic!("CSAT_SEEDS={text:?}: expected how many seeds, such as 1000, or a range, such as 500..700")
+        panic!("CSAT_SEEDS={text:?}: expected how many seeds, such as 1000, or a range that is not empty, such as 500..700")
     }))
 }
 
@@ -160,5 +160,18 @@ impl Drop for Announce {
                  --test {file} {name} -- --nocapture"
             );
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seeds_are_a_number_or_a_range() {
+        assert_eq!(range_of("7"), Some(0..7));
+        assert_eq!(range_of("5..7"), Some(5..7));
+        assert!(range_of("7..5").unwrap().is_empty());
+        assert_eq!(["", "x", "..7", "5..", "-1", "1..x"].map(range_of), [const { None }; 6]);
     }
 }

@@ -17,9 +17,9 @@ fn whatever_the_links_do_the_guarantee_holds_and_a_healed_core_agrees() {
     if let Some(exercise) = SEEDS.fly("swarm", swarm::fly, Exercise::with) {
         let Exercise { corrupted, duplicated, late, crashes, stale, .. } = exercise;
         let Exercise { merged, precise, missed, skewed, evasive, stationed, walled, .. } = exercise;
-        let Exercise { uncertain, lying, named, .. } = exercise;
+        let Exercise { uncertain, lying, relayed, named, .. } = exercise;
         let faults = [corrupted, duplicated, late, crashes, stale, missed, skewed];
-        let kinds = [merged, precise, evasive, stationed, uncertain, walled, lying, named];
+        let kinds = [merged, precise, evasive, stationed, uncertain, walled, lying, relayed, named];
         let rare = faults.iter().chain(&kinds).min();
         assert!(rare > Some(&10), "{exercise:?}");
     }

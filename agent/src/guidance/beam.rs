@@ -263,7 +263,7 @@ impl Beam {
 
     /// X^Δ after the last look of `candidate`.
     fn after_look(&mut self, candidate: &Candidate, befores: &[Before<'_>]) -> Raster {
-        let mut set = befores[candidate.before].set.clone().into_owned();
+        let mut set = Raster::clone(&befores[candidate.before].set);
         self.rounded_views.look(candidate.place).take_from(&mut set);
         self.first_looks.look(candidate.place).take_from(&mut set);
         set

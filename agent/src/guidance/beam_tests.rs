@@ -317,7 +317,8 @@ fn contact_counts_after_the_end_of_a_plan() {
     let long = Motion::new(&config).forecast(&short, 0, 4);
     config.id = AgentId(1);
     let input = PlannerInput { neighbours: &[AgentId(0)], plan_ages: &[0], ..scene.input() };
-    let plan = |plan: &[Vec<Pose>]| Planner::new(&config).plan(&input, &pose, plan);
-    assert_eq!(plan(&[short]), plan(std::slice::from_ref(&long)));
-    assert_ne!(plan(&[long]), plan(&[]), "it is in contact");
+    let plan = |plan: Vec<Pose>| Planner::new(&config).plan(&input, &pose, &[plan]);
+    assert_eq!(plan(short), plan(long.clone()));
+    let alone = Planner::new(&config).plan(&scene.input(), &pose, &[]);
+    assert_ne!(plan(long), alone, "it is in contact");
 }

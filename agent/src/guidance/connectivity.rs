@@ -19,7 +19,7 @@ use csat_proto::raster::Raster;
 use super::PlannerInput;
 use super::rollout::ViewOverlap;
 use super::schedule::RECENT_DECISIONS;
-use crate::config::AgentConfig;
+use crate::config::{AgentConfig, Schedule};
 
 /// What other UAVs would tell, and whom.
 #[derive(Debug, Clone)]
@@ -27,6 +27,8 @@ pub(super) struct Connectivity {
     id: AgentId,
     /// Up to this distance UAVs are in contact, metres.
     range_m: f64,
+    /// Nobody waits for plans of the same decision.
+    is_asynchronous: bool,
     overlap: ViewOverlap,
     /// The other UAVs as the last decision predicted them for the next one.
     expected: BTreeMap<AgentId, Expected>,
@@ -37,7 +39,8 @@ pub(super) struct Connectivity {
 /// Another UAV at the end of the first block of a decision.
 #[derive(Debug, Clone)]
 struct Expected {
-    pose: Pose,
+    /// `world`, metres.
+    position: [f64; 3],
     /// Its X^Δ.
     unexplored: Raster,
 }
@@ -45,7 +48,7 @@ struct Expected {
 /// Another UAV as it is predicted.
 struct Other {
     id: AgentId,
-    /// Its poses at the ends of the blocks, as far as its plan reaches.
+    /// Its poses at the ends of the blocks, as far as its plan reaches: at least one.
     poses: Vec<Pose>,
     /// Its X^Δ.
     unexplored: Raster,
@@ -61,10 +64,10 @@ struct Group {
 }
 
 impl Other {
-    /// What to expect of it at the next decision.
-    fn expected(&self) -> Option<(AgentId, Expected)> {
-        let pose = *self.poses.first()?;
-        Some((self.id, Expected { pose, unexplored: self.unexplored.clone() }))
+    /// What to expect of it at the next decision, after the first block.
+    fn expected(&self) -> (AgentId, Expected) {
+        let position = self.poses[0].p_world;
+        (self.id, Expected { position, unexplored: self.unexplored.clone() })
     }
 }
 
@@ -74,6 +77,7 @@ impl Connectivity {
         config.predicts_contact().then(|| Self {
             id: config.id,
             range_m: config.radio_range_m,
+            is_asynchronous: config.guidance.schedule == Schedule::Asynchronous,
             overlap: ViewOverlap::new(config),
             expected: BTreeMap::new(),
             groups: Vec::new(),
@@ -100,7 +104,7 @@ impl Connectivity {
                 }
                 let groups = self.meet(&mut others, block);
                 if block == 0 {
-                    self.expected = others.iter().filter_map(Other::expected).collect();
+                    self.expected = others.iter().map(Other::expected).collect();
                 }
                 groups
             })
@@ -115,6 +119,7 @@ impl Connectivity {
         plans: &[Vec<Pose>],
         wanted: &Raster,
     ) -> Vec<Other> {
+        debug_assert_eq!([input.neighbours.len(), input.plan_ages.len()], [plans.len(); 2]);
         let mut others = Vec::new();
         // A plan that is not recent counts for as long as its UAV should be out of reach by it.
         for ((plan, &id), &age) in plans.iter().zip(input.neighbours).zip(input.plan_ages) {
@@ -122,14 +127,14 @@ impl Connectivity {
             let poses = plan[..left].to_vec();
             let expected = self.expected.get(&id);
             let is_out_of_reach =
-                |other: &Expected| !self.is_in_range(&[other.pose.p_world], own.p_world);
+                |other: &Expected| !self.is_in_range(&[other.position], own.p_world);
             if !poses.iter().any(|pose| self.overlap.may_see_the_same(own, pose))
                 || age > RECENT_DECISIONS && !expected.is_some_and(is_out_of_reach)
             {
                 continue;
             }
-            // In contact now, it knows what this UAV knows. A UAV that plans later has only told its last plan yet.
-            let is_in_contact = age <= u32::from(id > self.id);
+            // In contact now, it knows what this UAV knows. A UAV that is not waited for has only told its last plan yet.
+            let is_in_contact = age <= u32::from(id > self.id || self.is_asynchronous);
             let expected = expected.filter(|_| !is_in_contact);
             let unexplored = expected.map_or(wanted, |other| &other.unexplored).clone();
             others.push(Other { id, poses, unexplored });

@@ -1,7 +1,7 @@
 use csat_proto::raster::Grid;
 
 use super::*;
-use crate::config::Criterion;
+use crate::config::{Criterion, Schedule};
 use crate::guidance::tests::{Scene, default_config};
 
 /// UAV 1 of four, in contact up to 85 m.
@@ -87,6 +87,19 @@ fn a_silent_uav_is_expected_back_by_its_plan() {
     assert_eq!(at_age(3, 2, 70.0), [0, 0], "it should be heard and is not");
     assert_eq!(at_age(3, 2, 0.0), [0, 0], "so nobody knows where it is");
     assert_eq!(at_age(2, 0, 0.0), [1, 2], "a recent plan counts");
+}
+
+/// Without waiting the newest plan of each UAV is of the last decision.
+#[test]
+fn a_uav_in_contact_knows_what_this_one_knows_whenever_it_plans() {
+    for (schedule, news) in [(Schedule::SequentialLoopback, 2), (Schedule::Asynchronous, 1)] {
+        let mut config = config();
+        config.guidance.schedule = schedule;
+        let mut links = Connectivity::new(&config).unwrap();
+        load(&mut links, 0.0, &[(0, 1, &[150.0, 165.0, 180.0])]);
+        load(&mut links, 0.0, &[(0, 1, &[165.0, 180.0, 195.0])]);
+        assert_eq!(told(&links, 0, 160.0), news, "{schedule:?}");
+    }
 }
 
 #[test]

@@ -231,7 +231,7 @@ impl Scheduler {
     }
 
     /// Plans of other UAVs arrive that another one passed on. They are not waited for. UAVs that hear of each other through
-    /// a third one account for each other, whoever plans first.
+    /// a third one account for each other, whoever plans first; not under the asynchronous schedule.
     ///
     /// # Errors
     /// Why the first wrong one was rejected; then nothing has changed.
@@ -378,9 +378,9 @@ impl Scheduler {
     }
 
     /// Whether plans of a UAV may change those of this one. With far-sighted plans a UAV accounts for the last plan of one
-    /// that plans after it, which in turn accounts for the new plan. If messages take longer than plans are waited for, or
-    /// nobody waits, it cannot: both would leave the same ground to each other, and at the next decision both would fly to
-    /// it. Then only the one that plans later gives way.
+    /// with a higher number, which in turn accounts for the new plan. If messages take longer than plans are waited for, or
+    /// nobody waits, the other one cannot: both would leave the same ground to each other, and at the next decision both
+    /// would fly to it. Then only the one with the higher number gives way.
     fn gives_way(&self, index: usize) -> bool {
         let is_heard_in_time =
             self.schedule != Schedule::Asynchronous && self.fleet[index].is_prompt;

@@ -415,7 +415,7 @@ fn with_a_range_plans_of_str5_count_to_their_end() {
 /// One decision after the other with a delay: a UAV accounts for one that plans after it only if that one could take
 /// the new plan into account.
 #[test]
-fn of_two_that_do_not_hear_each_other_in_time_the_later_gives_way() {
+fn of_two_that_do_not_hear_each_other_in_time_the_one_with_the_higher_number_gives_way() {
     let cases = [
         (Schedule::SequentialLoopback, 0.3, vec![1]),
         (Schedule::SequentialLoopback, 1.0, vec![]),

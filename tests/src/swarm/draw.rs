@@ -1,6 +1,6 @@
 //! From a seed to a scenario: every fault has its own rate, which is often 0.
 
-use csat_agent::config::{EstimatorConfig, ExchangeMode, Schedule};
+use csat_agent::config::{Criterion, EstimatorConfig, ExchangeMode, Schedule};
 use csat_experiments::scenario::Scenario;
 use csat_experiments::set_membership::SetMembership;
 use csat_netem::config::{
@@ -22,6 +22,7 @@ const STEPS: u32 = 24;
 
 const LIES: u64 = 0x6c69_6573 << 32;
 const POSES: u64 = 0x706f_7365 << 32;
+const PLANNER: u64 = 0x706c_616e << 32;
 
 /// The mission of a seed.
 #[derive(Debug, Clone)]
@@ -47,6 +48,7 @@ impl Draw {
         // From streams of their own: what a seed draws besides stays as it was.
         lies(&mut draw.scenario, &mut ChaCha8Rng::seed_from_u64(seed ^ LIES));
         poses(&mut draw.scenario, &mut ChaCha8Rng::seed_from_u64(seed ^ POSES));
+        planner(&mut draw.scenario, &mut ChaCha8Rng::seed_from_u64(seed ^ PLANNER));
         draw
     }
 
@@ -124,6 +126,17 @@ impl Draw {
         exchange.mode == ExchangeMode::Snapshot
             || exchange.snapshot_period_s <= f64::from(self.settle_steps) * run.period_s
     }
+}
+
+/// Sometimes UAVs predict who hears whom, and pass on plans.
+fn planner(scenario: &mut Scenario, rng: &mut ChaCha8Rng) {
+    if rng.random_bool(0.8) {
+        return;
+    }
+    let Scenario { guidance, netem, .. } = scenario;
+    guidance.criterion = Criterion::Str5;
+    (guidance.str4.n_mpc, guidance.str4.beam) = (5, 8);
+    netem.radio.range_m = netem.radio.range_m.min(rng.random_range(30.0..150.0));
 }
 
 /// Poses are known to boxes: with errors of some components, rare fixes, and zones without.

@@ -159,6 +159,7 @@ impl Laws {
                     if !self.has_lied(src) {
                         self.check_truth(src, &message)?;
                     }
+                    self.exercise.relayed += u64::from(matches!(message, Message::Relay(_)));
                     self.claims.say(src, incarnation, &message)?;
                 }
                 Some(before) if before == checksum => {}

@@ -76,6 +76,8 @@ pub struct Exercise {
     pub walled: u64,
     /// Missions in which agents lied.
     pub lying: u64,
+    /// Messages in which agents passed on plans.
+    pub relayed: u64,
     /// How often an agent named a liar.
     pub named: u64,
 }
@@ -103,6 +105,7 @@ impl Exercise {
             uncertain: self.uncertain + other.uncertain,
             walled: self.walled + other.walled,
             lying: self.lying + other.lying,
+            relayed: self.relayed + other.relayed,
             named: self.named + other.named,
         }
     }
